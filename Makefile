@@ -1,0 +1,44 @@
+# Every target brings what it needs; `make help` lists them.
+PYTHON ?= python3
+BIN := .venv/bin
+OUT := out
+
+.DEFAULT_GOAL := help
+.PHONY: help setup stats figures test lint bench lock clean
+
+help:  ## list the targets
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 12
+
+setup: .venv/ready  ## bring the Debian packages and make .venv with the command samplerscope
+
+.venv/ready: requirements.lock pyproject.toml lavapipe/install.sh
+	lavapipe/install.sh
+	$(PYTHON) -m venv .venv
+	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes --requirement requirements.lock
+	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --editable .
+	@touch $@
+
+stats: setup  ## the main job: six techniques of EON over 64 angles; table here, figure and data in out/
+	$(BIN)/samplerscope figure eon-11 -o $(OUT)/eon-11.png -o $(OUT)/eon-11.svg -o $(OUT)/eon-11.json
+
+figures: setup  ## every figure of the papers, as PNG, SVG, Vega-Lite and JSON in out/
+	for name in eon-11 eon-13; do \
+	    $(BIN)/samplerscope figure $$name -o $(OUT)/$$name.png -o $(OUT)/$$name.svg \
+	        -o $(OUT)/$$name.vl.json -o $(OUT)/$$name.json || exit; \
+	done
+
+test: setup  ## prove it right, on the real driver
+	$(BIN)/pytest
+
+lint: setup  ## style and types
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+lock: setup  ## resolve the dependencies anew and write requirements.lock
+	$(BIN)/pip install --quiet 'uv>=0.8,<1'
+	$(BIN)/uv pip compile --quiet --upgrade --generate-hashes --python-version 3.11 --extra dev \
+	    --custom-compile-command 'make lock' --output-file requirements.lock pyproject.toml
+
+clean:  ## remove .venv and out/
+	rm -rf .venv $(OUT)

@@ -1,0 +1,1 @@
+"""Vulkan compute on Mesa lavapipe. Knows nothing of BRDFs."""

@@ -1,0 +1,1 @@
+"""Sampler statistics: catalogue, scene, variant, statistics, reference, figures, and the command line on top."""
