@@ -1,0 +1,183 @@
+"""The catalogue: every model and technique, as their own files declare them.
+
+A model or technique is one GLSL file whose head, a TOML block in its first comment, says what it is. Nothing about a
+model or technique is written anywhere else: adding one means adding a file under shaders/.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from service import glsl
+from service.errors import BadInput, Problem, ShaderFileError
+
+SHADERS = Path(__file__).resolve().parent.parent / "shaders"
+
+RESERVED = frozenset(
+    "model techniques parameters angles theta_o_deg phi_o_deg samples seed method tolerance statistics format "
+    "reference error_bars zip estimator".split()
+)
+
+_HEAD = re.compile(r"\s*/\*---\n(.*?)\n---\*/", re.DOTALL)
+_REQUIRED_FUNCTIONS = {"model": ("brdf",), "technique": ("sample_direction", "direction_pdf")}
+
+
+class Parameter(BaseModel):
+    """A declared number of a model or technique, with its closed range."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    min: float
+    max: float
+    default: float
+    unit: str = ""
+    help: str = ""
+
+    @property
+    def allowed(self) -> str:
+        """The range in words."""
+        return f"{self.min:g} to {self.max:g}" + (f" {self.unit}" if self.unit else "")
+
+
+class Head(BaseModel):
+    """The declaration at the top of a shader file; the fields are those of shaders/README.md."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    provides: list[Literal["model", "technique"]] = Field(min_length=1)
+    name: str = Field(pattern=r"^[a-z][a-z0-9-]*$", max_length=64)
+    title: str
+    source: str
+    models: Literal["any"] | list[str] = "any"
+    uses: list[str] = []
+    below_horizon: bool = False
+    mixture: bool = False
+    singular: list[str] = []
+    parameters: dict[str, Parameter] = {}
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One shader file: its declaration and its code. `origin` is the name that compile errors show."""
+
+    head: Head
+    code: str
+    origin: str
+    declared: frozenset[str] = field(repr=False)
+
+    @property
+    def name(self) -> str:
+        """The catalogue name."""
+        return self.head.name
+
+    def made_for(self, model: str) -> bool:
+        """Whether this technique declares the model; others run on explicit request."""
+        return self.head.models == "any" or model in self.head.models
+
+
+@dataclass(frozen=True)
+class Catalogue:
+    """Models and techniques by name, and the texts that `#include` reaches."""
+
+    models: Mapping[str, Entry]
+    techniques: Mapping[str, Entry]
+    includes: Mapping[str, str]
+
+    def model(self, name: str) -> Entry:
+        """The model of this name; BadInput lists the names there are."""
+        return _lookup(self.models, "model", name)
+
+    def technique(self, name: str) -> Entry:
+        """The technique of this name; BadInput lists the names there are."""
+        return _lookup(self.techniques, "techniques", name)
+
+    def techniques_for(self, model: str) -> list[str]:
+        """Names of the techniques that declare the model, general ones first."""
+        fitting = [entry for entry in self.techniques.values() if entry.made_for(model)]
+        return [entry.name for entry in sorted(fitting, key=lambda entry: (entry.head.models != "any", entry.name))]
+
+    def parameters_of(self, model: Entry, technique: Entry) -> dict[str, Parameter]:
+        """Parameters of a pair: the model's, the technique's own, and those it reads of the models it is made for.
+
+        A technique that runs, on request, on a model without a parameter it reads takes that parameter's declaration
+        from a model it was made for.
+        """
+        found = {**model.head.parameters, **technique.head.parameters}
+        made_for = [] if technique.head.models == "any" else technique.head.models
+        for name in technique.head.uses:
+            if name not in found:
+                owners = [self.models[m] for m in made_for if name in self.models[m].head.parameters]
+                if not owners:
+                    raise ShaderFileError(f"{technique.origin}: uses {name!r}, which {model.name} does not declare")
+                found[name] = owners[0].head.parameters[name]
+        return found
+
+    def with_file(self, path: Path) -> Catalogue:
+        """This catalogue and one more file, which may replace an entry of the same name."""
+        entry = read_entry(path.read_text(encoding="utf-8"), str(path))
+        return Catalogue(
+            models={**self.models, **_provided([entry], "model")},
+            techniques={**self.techniques, **_provided([entry], "technique")},
+            includes=self.includes,
+        )
+
+
+@cache
+def load_catalogue(folder: Path = SHADERS) -> Catalogue:
+    """Read the shader folder. ShaderFileError names the file that breaks the contract."""
+    entries = [
+        read_entry(path.read_text(encoding="utf-8"), str(path.relative_to(folder)))
+        for kind in ("models", "techniques")
+        for path in sorted((folder / kind).glob("*.glsl"))
+    ]
+    includes = {f"common/{path.name}": path.read_text(encoding="utf-8") for path in (folder / "common").glob("*.glsl")}
+    return Catalogue(_provided(entries, "model"), _provided(entries, "technique"), includes)
+
+
+def read_entry(text: str, origin: str) -> Entry:
+    """Parse one shader file; `origin` is how errors call it."""
+    match = _HEAD.match(text)
+    if match is None:
+        raise ShaderFileError(f"{origin}:1: the file must begin with a head: a comment /*--- TOML ---*/")
+    try:
+        head = Head.model_validate(tomllib.loads(match.group(1)))
+    except tomllib.TOMLDecodeError as error:
+        raise ShaderFileError(f"{origin}: the head is not TOML: {error}") from None
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(str(part) for part in first["loc"])
+        raise ShaderFileError(f"{origin}: head: {place}: {first['msg']}") from None
+    declared = frozenset(glsl.declared_names(text))
+    _check_parameters(head, origin)
+    for role in head.provides:
+        for function in _REQUIRED_FUNCTIONS[role]:
+            if function not in declared:
+                raise ShaderFileError(f"{origin}: a {role} must define the function {function}")
+    return Entry(head, text, origin, declared)
+
+
+def _check_parameters(head: Head, origin: str) -> None:
+    for name, parameter in head.parameters.items():
+        if name in RESERVED or not re.fullmatch(r"[a-z][a-z0-9_]*", name):
+            raise ShaderFileError(f"{origin}: head: a parameter may not be called {name!r}")
+        values = (parameter.min, parameter.default, parameter.max)
+        if not (all(map(math.isfinite, values)) and parameter.min <= parameter.default <= parameter.max):
+            raise ShaderFileError(f"{origin}: head: parameters.{name}: must have min <= default <= max")
+
+
+def _provided(entries: Iterable[Entry], role: Literal["model", "technique"]) -> dict[str, Entry]:
+    return {entry.name: entry for entry in entries if role in entry.head.provides}
+
+
+def _lookup(entries: Mapping[str, Entry], field_name: str, name: str) -> Entry:
+    try:
+        return entries[name]
+    except KeyError:
+        raise BadInput(Problem(field_name, name, "one of " + ", ".join(sorted(entries)))) from None

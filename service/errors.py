@@ -1,0 +1,47 @@
+"""The errors a caller can make or meet.
+
+    SamplerscopeError
+    ├── BadInput            one or more fields of a request are wrong; each is a `Problem`
+    └── ShaderFileError     a model or technique file breaks the contract of shaders/README.md
+
+What the device and the compiler raise is the tree of `lavapipe.errors`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One wrong field: its path in the scene, the value given, and what is allowed."""
+
+    field: str
+    value: object
+    allowed: str
+
+    def __str__(self) -> str:
+        return f"{self.field} = {_short(self.value)}: allowed is {self.allowed}"
+
+
+class SamplerscopeError(Exception):
+    """Base of all errors of this package."""
+
+
+class BadInput(SamplerscopeError, ValueError):
+    """A request with wrong fields. `problems` holds one entry a field; the text is one line."""
+
+    def __init__(self, problems: Sequence[Problem] | Problem) -> None:
+        self.problems = (problems,) if isinstance(problems, Problem) else tuple(problems)
+        super().__init__("; ".join(str(problem) for problem in self.problems))
+
+
+class ShaderFileError(SamplerscopeError, ValueError):
+    """A shader file that breaks the contract: names the file, the line where known, and the rule."""
+
+
+def _short(value: object) -> str:
+    text = value if isinstance(value, str) else repr(value)
+    text = " ".join(str(text).split())
+    return text if len(text) <= 80 else text[:77] + "..."

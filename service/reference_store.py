@@ -1,0 +1,53 @@
+"""References of whole series, kept on disk cell by cell: they are exact, so each is computed once for ever.
+
+A stored cell is found by its inputs and by the content of the reference code, so a change of that code forgets them all.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import struct
+from collections.abc import Mapping, Sequence
+from dataclasses import astuple, fields
+from functools import cache
+from pathlib import Path
+
+from lavapipe import Cache
+from service import reference
+from service.reference import CellReference
+from service.scene import radians
+
+_FIELDS = len(fields(CellReference))
+
+
+def series_reference(
+    model: str, technique: str, parameters: Mapping[str, float], theta_o_deg: Sequence[float], store: Cache
+) -> list[CellReference] | None:
+    """The reference of every angle, from the store where it is there. None where no reference exists for the pair."""
+    keys = [_key(model, technique, parameters, angle) for angle in theta_o_deg]
+    known = {key: value for key, value in store.get_many(keys).items() if len(value) == 8 * _FIELDS}
+    missing = [(key, angle) for key, angle in zip(keys, theta_o_deg, strict=True) if key not in known]
+    if missing:
+        fresh = reference.cells_reference(model, technique, parameters, [radians(angle) for _, angle in missing])
+        if fresh is None:
+            return None
+        packed = {
+            key: struct.pack(f"<{_FIELDS}d", *astuple(cell)) for (key, _), cell in zip(missing, fresh, strict=True)
+        }
+        store.put_many(packed)
+        known |= packed
+    return [CellReference(*struct.unpack(f"<{_FIELDS}d", known[key])) for key in keys]
+
+
+def _key(model: str, technique: str, parameters: Mapping[str, float], angle: float) -> str:
+    values = ",".join(f"{name}={value!r}" for name, value in sorted(parameters.items()))
+    return f"reference:{_code_digest()}:{model}:{technique}:{values}:{angle!r}"
+
+
+@cache
+def _code_digest() -> str:
+    folder = Path(reference.__file__).parent
+    digest = hashlib.blake2b(digest_size=8)
+    for path in sorted(folder.rglob("*.py")):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()

@@ -1,0 +1,206 @@
+"""Monte Carlo runs on the device: cells in, exact counts and sums of powers of the weight out.
+
+The unit of work is a block, a fixed range of samples of one cell. Blocks are drawn in launches of bounded size, whose
+sums are added in block order in double precision: the result does not depend on launch size, threads, or other cells.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections import deque
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lavapipe import Buffer, Device, Pipeline, Submission
+from service.errors import SamplerscopeError
+from service.random_numbers import BLOCK_SAMPLES
+
+LANES = 64
+PILOT_SAMPLES = 64
+LAUNCH_BLOCKS = 256      # 4 M samples: tens of milliseconds, so that progress and cancelling are prompt
+LAUNCHES_IN_FLIGHT = 2   # the host adds one launch while the device draws the next
+TIMEOUT_S = 600.0
+NO_INDEX = 0xFFFFFFFF
+
+
+class IncompleteRun(SamplerscopeError):
+    """The device drew fewer samples than asked: the driver ended a loop, and the result would be wrong."""
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Views and parameters to draw for: wo (n, 3) and parameters (n, p) as float32, keys (n, 2) of random numbers."""
+
+    wo: NDArray[np.float32]
+    keys: NDArray[np.uint32]
+    parameters: NDArray[np.float32]
+
+    def __len__(self) -> int:
+        return len(self.wo)
+
+
+@dataclass
+class CellSums:
+    """What a run found, an entry a cell. `first_bad` is the index of the first non-finite sample, -1 where there is none."""
+
+    drawn: NDArray[np.int64]
+    zero: NDArray[np.int64]
+    nonfinite: NDArray[np.int64]
+    negative: NDArray[np.int64]
+    first_bad: NDArray[np.int64]
+    shift: NDArray[np.float64]
+    powers: NDArray[np.float64]
+    largest: NDArray[np.float64]
+    device_ns: int = field(default=0)
+
+    @property
+    def counted(self) -> NDArray[np.int64]:
+        """Samples that the sums hold: all but the non-finite ones."""
+        return self.drawn - self.nonfinite
+
+
+@dataclass(frozen=True)
+class _Launch:
+    first_cell: int
+    cells: int
+    first_block: int
+    blocks: int
+
+
+class Sampler:
+    """A pipeline with its buffers, ready to draw for up to `len(cells)` cells. Close it, or use it as a context manager."""
+
+    def __init__(self, device: Device, pipeline: Pipeline, cells: Cells) -> None:
+        self._device = device
+        self._pipeline = pipeline
+        self._count = len(cells)
+        table = np.zeros(len(cells), _CELL)
+        table["wo"] = cells.wo
+        table["key"] = cells.keys
+        self._cells = device.buffer((len(cells),), _CELL)
+        self._cells.array[:] = table
+        self._parameters = device.buffer((max(1, cells.parameters.size),), np.float32)
+        self._parameters.array[: cells.parameters.size] = cells.parameters.ravel()
+        self._outputs = [self._output_pair() for _ in range(LAUNCHES_IN_FLIGHT)]
+
+    def __enter__(self) -> Sampler:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Free the buffers."""
+        for pair in self._outputs:
+            for buffer in pair:
+                buffer.close()
+        self._parameters.close()
+        self._cells.close()
+
+    def warm_up(self) -> None:
+        """Draw once, so that the driver compiles before anything is timed."""
+        self._submit(_Launch(0, 1, 0, 1), 1, self._outputs[0]).wait(TIMEOUT_S)
+
+    def run(self, samples: int, progress: Callable[[int], None] = lambda done: None) -> CellSums:
+        """Draw `samples` samples for every cell. `progress` is called with the number just finished."""
+        total = _empty_sums(self._count)
+        total.shift[:] = self._pilot(min(samples, PILOT_SAMPLES))
+        self._cells.array["shift"] = total.shift
+        pending: deque[tuple[_Launch, Submission, tuple[Buffer, Buffer]]] = deque()
+        for number, launch in enumerate(_launches(self._count, samples)):
+            if len(pending) == LAUNCHES_IN_FLIGHT:
+                progress(_add(total, *pending.popleft()))
+            outputs = self._outputs[number % LAUNCHES_IN_FLIGHT]
+            pending.append((launch, self._submit(launch, samples, outputs), outputs))
+        while pending:
+            progress(_add(total, *pending.popleft()))
+        if np.any(total.drawn != samples):
+            raise IncompleteRun(f"the driver ended a loop after {total.drawn.min()} of {samples} samples")
+        return total
+
+    def _pilot(self, samples: int) -> NDArray[np.float64]:
+        """The median of every cell's first weights: the shift of its power sums."""
+        self._cells.array["shift"] = 0.0
+        shifts = np.empty(self._count)
+        for first in range(0, self._count, LAUNCH_BLOCKS):
+            launch = _Launch(first, min(LAUNCH_BLOCKS, self._count - first), 0, 1)
+            self._submit(launch, samples, self._outputs[0]).wait(TIMEOUT_S)
+            weights = _view(self._outputs[0][0], launch)[0, :, 0, :samples]
+            shifts[first : first + launch.cells] = np.median(weights, axis=1)
+        return shifts.astype(np.float32).astype(np.float64)
+
+    def _submit(self, launch: _Launch, samples: int, outputs: tuple[Buffer, Buffer]) -> Submission:
+        last_block, before = (samples - 1) // BLOCK_SAMPLES, (samples - 1) // BLOCK_SAMPLES * BLOCK_SAMPLES
+        constants = struct.pack("<4I", launch.first_cell, launch.first_block, last_block, samples - before)
+        commands = self._device.record()
+        commands.dispatch(
+            self._pipeline,
+            [self._cells, self._parameters, *outputs],
+            (launch.blocks, launch.cells, 1),
+            push_constants=constants,
+        )
+        return commands.submit()
+
+    def _output_pair(self) -> tuple[Buffer, Buffer]:
+        size = (5 * LAUNCH_BLOCKS * LANES,)
+        return self._device.buffer(size, np.float32), self._device.buffer(size, np.uint32)
+
+
+_CELL = np.dtype([("wo", "<f4", 3), ("shift", "<f4"), ("key", "<u4", 2), ("padding", "<u4", 2)])
+
+
+def _launches(cells: int, samples: int) -> Iterator[_Launch]:
+    blocks = -(-samples // BLOCK_SAMPLES)
+    for first_cell in range(0, cells, LAUNCH_BLOCKS):
+        count = min(LAUNCH_BLOCKS, cells - first_cell)
+        step = LAUNCH_BLOCKS // count
+        for first_block in range(0, blocks, step):
+            yield _Launch(first_cell, count, first_block, min(step, blocks - first_block))
+
+
+def _view(buffer: Buffer, launch: _Launch) -> NDArray[np.generic]:
+    """The five outputs of a launch as (output, cell, block, lane)."""
+    shape = (5, launch.cells, launch.blocks, LANES)
+    return buffer.array[: 5 * launch.cells * launch.blocks * LANES].reshape(shape)
+
+
+def _add(total: CellSums, launch: _Launch, submission: Submission, outputs: tuple[Buffer, Buffer]) -> int:
+    """Wait for a launch and add its sums, block after block; the number of samples drawn."""
+    total.device_ns += submission.wait(TIMEOUT_S).total_ns
+    cells = slice(launch.first_cell, launch.first_cell + launch.cells)
+    sums = _view(outputs[0], launch)
+    counts = _view(outputs[1], launch)
+    blocks = sums[:4].astype(np.float64).sum(axis=-1)
+    for block in range(launch.blocks):
+        total.powers[:, cells] += blocks[:, :, block]
+    np.maximum(total.largest[cells], sums[4].max(axis=(-2, -1)), out=total.largest[cells])
+    drawn, zero, nonfinite, negative = counts[:4].astype(np.int64).sum(axis=(-2, -1))
+    total.drawn[cells] += drawn
+    total.zero[cells] += zero
+    total.nonfinite[cells] += nonfinite
+    total.negative[cells] += negative
+    if nonfinite.any():
+        _note_first_bad(total.first_bad[cells], counts[4].min(axis=-1), launch.first_block)
+    return int(drawn.sum())
+
+
+def _note_first_bad(first_bad: NDArray[np.int64], found: NDArray[np.generic], first_block: int) -> None:
+    """Keep the lowest index of a non-finite sample. `found` has an index within each block, or NO_INDEX."""
+    offsets = (first_block + np.arange(found.shape[1], dtype=np.int64)) * BLOCK_SAMPLES
+    indices = np.where(found == NO_INDEX, np.iinfo(np.int64).max, found + offsets).min(axis=1)
+    fresh = (first_bad < 0) & (indices < np.iinfo(np.int64).max)
+    first_bad[fresh] = indices[fresh]
+
+
+def _empty_sums(cells: int) -> CellSums:
+    integers = [np.zeros(cells, np.int64) for _ in range(4)]
+    return CellSums(
+        *integers,
+        first_bad=np.full(cells, -1, np.int64),
+        shift=np.zeros(cells),
+        powers=np.zeros((4, cells)),
+        largest=np.full(cells, -np.inf),
+    )

@@ -1,0 +1,220 @@
+"""The scene: one question, checked, and the cells it consists of.
+
+A scene comes as JSON, as query parameters or as command-line options; all three end here. What is wrong with it is
+reported for every field at once, with the value given and what is allowed.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+
+from service.catalogue import Catalogue, Entry, Parameter
+from service.errors import BadInput, Problem
+
+Statistic = Literal["mean", "variance", "max_weight"]
+STATISTICS: tuple[Statistic, ...] = ("mean", "variance", "max_weight")
+Method = Literal["mc"]
+
+MAX_ANGLES = 4096
+MAX_SAMPLES = 2**40
+MAX_CELLS = 2**20
+GRAZING_COUNT_END_DEG = 90 * 0.999  # --angles N ends here, as the figures of the EON paper do
+
+
+def _as_list(value: object) -> object:
+    return list(value) if isinstance(value, tuple) else value if isinstance(value, list) else [value]
+
+
+Sweep = Annotated[list[float], BeforeValidator(_as_list), Field(min_length=1, max_length=MAX_CELLS)]
+Angle = Annotated[float, Field(ge=0, lt=90, allow_inf_nan=False)]
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class AngleCount(_Strict):
+    """N angles from 0 to 89.91 degrees."""
+
+    count: int = Field(ge=1, le=MAX_ANGLES)
+
+
+class Estimator(_Strict):
+    """How statistics are computed."""
+
+    method: Method = "mc"
+    samples: int = Field(1_000_000, ge=1, le=MAX_SAMPLES)
+    seed: int = Field(0, ge=0, lt=2**63)
+
+
+class Scene(_Strict):
+    """One question. Every field but `model` has a default; `techniques` defaults to all that declare the model."""
+
+    model: str
+    parameters: dict[str, Sweep] = {}
+    zip: list[Annotated[list[str], Field(min_length=2)]] = []
+    techniques: Annotated[list[str], BeforeValidator(_as_list), Field(min_length=1)] | None = None
+    theta_o_deg: AngleCount | Annotated[list[Angle], Field(min_length=1, max_length=MAX_ANGLES)] = AngleCount(count=64)
+    statistics: Annotated[list[Statistic], BeforeValidator(_as_list), Field(min_length=1)] = list(STATISTICS)
+    estimator: Estimator = Estimator()
+    error_bars: bool = True
+    reference: bool = True
+
+    @property
+    def angles_deg(self) -> list[float]:
+        """View angles in degrees. A count N means the paper's grid, 90 k 0.999/(N - 1)."""
+        if isinstance(self.theta_o_deg, list):
+            return self.theta_o_deg
+        count = self.theta_o_deg.count
+        return [GRAZING_COUNT_END_DEG * k / (count - 1) for k in range(count)] if count > 1 else [0.0]
+
+
+@dataclass(frozen=True)
+class SeriesPlan:
+    """One curve of the answer: a model with fixed parameters and a technique, over all view angles."""
+
+    model: Entry
+    technique: Entry
+    parameters: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Question:
+    """A scene checked against the catalogue: what exactly has to be computed."""
+
+    scene: Scene
+    series: tuple[SeriesPlan, ...]
+
+
+def parse_scene(data: Mapping[str, Any]) -> Scene:
+    """Check the form of a scene. BadInput names every wrong field."""
+    try:
+        return Scene.model_validate(data)
+    except ValidationError as error:
+        raise BadInput(_problems(error)) from None
+
+
+def resolve(scene: Scene, catalogue: Catalogue) -> Question:
+    """Check a scene against the catalogue: names exist, parameters are declared and in range."""
+    model = catalogue.model(scene.model)
+    names = scene.techniques if scene.techniques is not None else catalogue.techniques_for(model.name)
+    techniques = [catalogue.technique(name) for name in names]
+    if len(set(names)) < len(names):
+        raise BadInput(Problem("techniques", ",".join(names), "each name once"))
+    declared = {t.name: catalogue.parameters_of(model, t) for t in techniques}
+    _check_parameters(scene, {name: p for ps in declared.values() for name, p in ps.items()})
+    series = tuple(
+        SeriesPlan(model, technique, values)
+        for technique in techniques
+        for values in _combinations(scene, declared[technique.name])
+    )
+    if len(series) * len(scene.angles_deg) > MAX_CELLS:
+        raise BadInput(Problem("parameters", f"{len(series)} series", f"at most {MAX_CELLS} cells (series x angles)"))
+    full = scene.model_copy(update={"techniques": names})
+    return Question(full, series)
+
+
+def _check_parameters(scene: Scene, declared: Mapping[str, Parameter]) -> None:
+    problems = []
+    for name, values in scene.parameters.items():
+        field = f"parameters.{name}"
+        if name not in declared:
+            names = ", ".join(sorted(declared)) or "none"
+            problems.append(Problem(field, _one_or_list(values), f"a parameter of {scene.model}: {names}"))
+            continue
+        parameter = declared[name]
+        bad = [value for value in values if not parameter.min <= value <= parameter.max]
+        if bad:
+            problems.append(Problem(field, _one_or_list(bad), parameter.allowed))
+    seen: set[str] = set()
+    for group in scene.zip:
+        lengths = {name: len(scene.parameters.get(name, [])) for name in group}
+        if len(set(lengths.values())) > 1 or 0 in lengths.values() or seen & set(group):
+            problems.append(Problem("zip", ",".join(group), "swept parameters with lists of equal length, each once"))
+        seen |= set(group)
+    if problems:
+        raise BadInput(problems)
+
+
+def _combinations(scene: Scene, declared: Mapping[str, Parameter]) -> Iterator[dict[str, float]]:
+    """Parameter values of every series: the product of the sweeps, the last name fastest, zipped names together."""
+    axes: list[list[dict[str, float]]] = []
+    done: set[str] = set()
+    for name in scene.parameters:
+        if name in done or name not in declared:
+            continue
+        group = next((group for group in scene.zip if name in group), [name])
+        rows = zip(*(scene.parameters[member] for member in group), strict=True)
+        axes.append([dict(zip(group, row, strict=True)) for row in rows])
+        done.update(group)
+    defaults = {name: parameter.default for name, parameter in declared.items()}
+    for choice in itertools.product(*axes):
+        values = dict(defaults)
+        for part in choice:
+            values.update(part)
+        yield values
+
+
+def _one_or_list(values: list[float]) -> object:
+    return values[0] if len(values) == 1 else values
+
+
+def _problems(error: ValidationError) -> list[Problem]:
+    """Pydantic's findings as fields, values and ranges. A union reports every branch; the most telling one is kept."""
+    found: dict[str, Problem] = {}
+    for item in error.errors(include_url=False):
+        path = [str(part) for part in item["loc"] if not _is_branch(part)]
+        field = ".".join(path) or "scene"
+        problem = Problem(field, item["input"], _allowed(field, item["type"], item.get("ctx", {}), item["msg"]))
+        covered = [known for known in found if field.startswith(known) or known.startswith(field)]
+        if not covered:
+            found[field] = problem
+        elif len(field) > max(map(len, covered)):
+            for known in covered:
+                del found[known]
+            found[field] = problem
+    return list(found.values())
+
+
+def _is_branch(part: object) -> bool:
+    """Whether a step of an error's path only names a branch of a union."""
+    return isinstance(part, str) and ("[" in part or part == AngleCount.__name__)
+
+
+_ALLOWED = {
+    "model": "the name of a model",
+    "techniques": "a list of names of techniques",
+    "theta_o_deg": f'0 <= theta_o_deg < 90, as a list of 1 to {MAX_ANGLES} angles or as {{"count": N}}',
+    "theta_o_deg.count": f"a whole number, 1 to {MAX_ANGLES}",
+    "statistics": "a list out of " + ", ".join(STATISTICS),
+    "estimator.samples": f"a whole number, 1 to {MAX_SAMPLES}",
+    "estimator.seed": "a whole number, 0 to 2^63 - 1",
+    "parameters": "a number or a list of numbers for each name",
+    "zip": "lists of two or more names of swept parameters",
+}
+
+
+def _allowed(field: str, kind: str, context: Mapping[str, Any], message: str) -> str:
+    """What a field allows, in words: those of the table where it knows the field, else pydantic's."""
+    match kind:
+        case "extra_forbidden":
+            return "no field of this name"
+        case "missing":
+            return "a value, it is required"
+        case "literal_error":
+            return str(context["expected"]).replace("'", "")
+    named = re.sub(r"\.\d+", "", field)
+    known = _ALLOWED.get(named) or _ALLOWED.get(named.partition(".")[0])
+    return known or message.removeprefix("Input should be ").replace("a valid ", "a ")
+
+
+def radians(degrees: float) -> float:
+    """The one place where degrees of a request become the radians of the code."""
+    return math.radians(degrees)

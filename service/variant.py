@@ -1,0 +1,68 @@
+"""The variant: the one shader that a model, a technique and a job compile to.
+
+Model, technique and job are separate files. Here they become one source: each in a namespace of its own, parameters as
+read-only floats, `#line` before each part so that compile errors carry the author's file and line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from service import glsl
+from service.catalogue import SHADERS, Catalogue, Entry
+
+_LANGUAGE = "#version 460\n#extension GL_GOOGLE_cpp_style_line_directive : enable\n"
+_PREAMBLE = (
+    "#line 1 \"variant\"\n"
+    '#include "common/contract.glsl"\n#include "common/finite.glsl"\n#include "common/random.glsl"\n'
+)
+
+
+@dataclass(frozen=True)
+class Variant:
+    """GLSL text ready to compile, and the names of the floats a cell brings, in the order of the parameter buffer."""
+
+    source: str
+    includes: dict[str, str]
+    parameters: tuple[str, ...]
+    name: str
+
+
+def compose(catalogue: Catalogue, model: Entry, technique: Entry, job: str) -> Variant:
+    """The source of one job (`statistics` or `probe`) for a model and a technique."""
+    parameters = tuple(catalogue.parameters_of(model, technique))
+    has_albedo = "directional_albedo" in model.declared
+    text = "".join(
+        [
+            _LANGUAGE,
+            _PREAMBLE,
+            "".join(f"float parameter_{name};\n" for name in parameters),
+            _part(model, "model", model.head.parameters),
+            _part(technique, "technique", [*technique.head.parameters, *technique.head.uses]),
+            f"#define ALBEDO_OF_VIEW {'model_directional_albedo(wo.z)' if has_albedo else '0.0'}\n",
+            '#line 1 "variant"\n#include "common/weight.glsl"\n',
+            f'#line 1 "{job}.comp"\n',
+            _job_text(job),
+        ]
+    )
+    includes = {**catalogue.includes, "variant/load_parameters.glsl": _loader(parameters)}
+    return Variant(text, includes, parameters, f"{model.name}+{technique.name}.{job}")
+
+
+def _part(entry: Entry, prefix: str, parameters: Iterable[str]) -> str:
+    names = {name: f"{prefix}_{name}" for name in entry.declared}
+    names |= {name: f"parameter_{name}" for name in parameters}
+    return f'#line 1 "{entry.origin}"\n{glsl.rename(entry.code, names)}\n'
+
+
+def _loader(parameters: Sequence[str]) -> str:
+    """The function that fills the parameters of a cell from the buffer, one row a cell."""
+    stride = len(parameters)
+    lines = [f"    parameter_{name} = parameter_values[cell * {stride}u + {i}u];\n" for i, name in enumerate(parameters)]
+    return "void load_parameters(uint cell) {\n" + "".join(lines) + "}\n"
+
+
+def _job_text(job: str) -> str:
+    return Path(SHADERS / f"{job}.comp").read_text(encoding="utf-8")

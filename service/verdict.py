@@ -1,0 +1,241 @@
+"""Verdicts: what the numbers of a series mean, from the evidence of the run and of the reference.
+
+Every test here has a stated false-alarm rate: `FALSE_ALARM` a series, shared out over its angles.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from service.moments import Statistics
+from service.reference import CellReference
+from service.sampling import CellSums
+
+FALSE_ALARM = 1e-6
+"""Probability that a correct series is called biased by chance."""
+
+TAIL_SAMPLES = 100
+"""A variance's error bar is trusted when (kurtosis - 1)/n is below 1/TAIL_SAMPLES: about as many samples as this then lie
+in the tail that carries the fourth moment."""
+
+RELATIVE_BIAS = 1e-6
+"""A reference whose mean differs from the albedo by more, relatively, is a biased technique; below is its own accuracy."""
+
+ORDER = (
+    "nonfinite",
+    "negative-weight",
+    "infinite-variance",
+    "biased",
+    "uncovered",
+    "unbounded-weight",
+    "energy-gain",
+    "heavy-tail",
+    "imprecise",
+)
+ENERGY_LIMIT = 1.001
+IMPRECISE = 0.1
+
+Angles = Sequence[float]
+Bools = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """All that a verdict rests on; every array has one entry an angle. `statistics` is None where no moment was asked."""
+
+    theta_o_deg: Angles
+    samples: int
+    sums: CellSums
+    statistics: Statistics | None
+    reference: Sequence[CellReference] | None
+    replay: Sequence[dict[str, Any]]
+
+
+def verdict(evidence: Evidence) -> dict[str, Any]:
+    """The verdict of a series: `status`, and `findings` in the order of `ORDER`, worst first."""
+    findings = _counted(evidence)
+    if evidence.reference is not None:
+        findings += _known(evidence, evidence.reference)
+    if evidence.statistics is not None:
+        findings += _biased(evidence, evidence.statistics) + _tails(evidence, evidence.statistics)
+    findings = [finding for finding in findings if finding is not None]
+    findings.sort(key=lambda finding: ORDER.index(finding["name"]))
+    return {"status": findings[0]["name"] if findings else "ok", "findings": findings}
+
+
+def finite_or_none(values: Any) -> list[float | None]:
+    """A list for JSON: what is not finite becomes None."""
+    return [float(value) if math.isfinite(value) else None for value in values]
+
+
+def _finding(name: str, where: Bools, angles: Angles, message: str, **evidence: Any) -> dict[str, Any] | None:
+    """A finding for the angles where it holds, or None where it holds nowhere."""
+    if not np.any(where):
+        return None
+    held = [angle for angle, holds in zip(angles, where, strict=True) if holds]
+    place = f"at {held[0]:g} degrees" if len(held) == 1 else f"at {len(held)} angles, {held[0]:g} to {held[-1]:g} degrees"
+    return {"name": name, "message": f"{message} ({place})", "evidence": {"theta_o_deg": held, **evidence}}
+
+
+def _counted(e: Evidence) -> list[dict[str, Any] | None]:
+    """What the device counted sample by sample."""
+    bad, negative = e.sums.nonfinite > 0, e.sums.negative > 0
+    return [
+        _finding(
+            "nonfinite",
+            bad,
+            e.theta_o_deg,
+            f"{e.sums.nonfinite.sum()} samples have a weight, density or direction that is not finite; they are left out",
+            count=e.sums.nonfinite[bad].tolist(),
+            replay=[replay for replay, is_bad in zip(e.replay, bad, strict=True) if is_bad],
+        ),
+        _finding(
+            "negative-weight",
+            negative,
+            e.theta_o_deg,
+            f"{e.sums.negative.sum()} samples have a negative weight",
+            count=e.sums.negative[negative].tolist(),
+        ),
+    ]
+
+
+def _known(e: Evidence, reference: Sequence[CellReference]) -> list[dict[str, Any] | None]:
+    """What the reference knows of the technique, whatever was sampled."""
+    variance, supremum, albedo, mean, uncovered, tail = (
+        np.array([getattr(cell, name) for cell in reference])
+        for name in ("variance", "max_weight", "albedo", "mean", "uncovered", "tail_strength")
+    )
+    infinite, unbounded = np.isinf(variance), np.isinf(supremum)
+    missing = uncovered > RELATIVE_BIAS * albedo
+    gain = albedo > ENERGY_LIMIT
+    return [
+        _finding(
+            "infinite-variance",
+            infinite,
+            e.theta_o_deg,
+            "the weight has no variance: P(w > W) falls like kappa/(2 W^2), with kappa up to "
+            f"{np.max(tail, initial=0.0):.3g}; the value given is that of this sample and grows with the count",
+            tail_strength=finite_or_none(np.where(infinite, tail, np.nan)),
+        ),
+        _finding(
+            "uncovered",
+            missing,
+            e.theta_o_deg,
+            f"the density is zero where the model is not; up to {np.max(uncovered / np.maximum(albedo, 1e-300)):.3g} "
+            "of the reflected light is never sampled",
+            lost_albedo=finite_or_none(uncovered[missing]),
+        ),
+        _finding(
+            "unbounded-weight",
+            unbounded,
+            e.theta_o_deg,
+            "the weight has no upper bound; the largest one seen grows with the count",
+        ),
+        _finding(
+            "energy-gain",
+            gain,
+            e.theta_o_deg,
+            f"the model reflects up to {np.max(albedo):.6g} of the light it receives",
+            albedo=finite_or_none(albedo[gain]),
+        ),
+        _finding(
+            "biased",
+            np.abs(mean - albedo) > RELATIVE_BIAS * albedo,
+            e.theta_o_deg,
+            f"the mean weight differs from the directional albedo by up to {np.max(np.abs(mean - albedo)):.3g}",
+            bias=finite_or_none(mean - albedo),
+        ),
+    ]
+
+
+def _biased(e: Evidence, statistics: Statistics) -> list[dict[str, Any] | None]:
+    """The sampled mean against the reference, where the reference itself says that the technique is unbiased.
+
+    The interval is Bernstein's inequality with the reference's variance and supremum: it holds at any count and for any
+    tail, at the false-alarm rate stated.
+    """
+    if e.reference is None:
+        return []
+    variance, bound, mean = (
+        np.array([getattr(cell, name) for cell in e.reference]) for name in ("variance", "max_weight", "mean")
+    )
+    usable = np.isfinite(variance) & np.isfinite(bound)
+    half_width = bernstein_half_width(variance, bound, e.samples, FALSE_ALARM / len(mean))
+    rounding = 1e-6 * np.abs(mean)
+    off = np.abs(statistics.mean - mean)
+    with np.errstate(invalid="ignore"):
+        wrong = usable & (off > half_width + rounding)
+    return [
+        _finding(
+            "biased",
+            wrong,
+            e.theta_o_deg,
+            "the sampled mean is off the reference by up to "
+            f"{np.max(off[wrong], initial=0.0):.3g}, beyond what chance allows (rate {FALSE_ALARM:g})",
+            difference=finite_or_none((statistics.mean - mean)[wrong]),
+            interval=finite_or_none(half_width[wrong]),
+        )
+    ]
+
+
+def bernstein_half_width(
+    variance: NDArray[np.float64], bound: NDArray[np.float64], samples: int, false_alarm: float
+) -> NDArray[np.float64]:
+    """Half width of a two-sided interval for the mean of `samples` weights in [0, bound] with this variance (Bernstein)."""
+    log_term = math.log(2.0 / false_alarm)
+    linear = np.where(np.isfinite(bound), bound, 0.0) * log_term / 3.0
+    spread = np.where(np.isfinite(variance), variance, 0.0)
+    return (linear + np.sqrt(linear**2 + 2.0 * samples * spread * log_term)) / samples
+
+
+def _tails(e: Evidence, statistics: Statistics) -> list[dict[str, Any] | None]:
+    """Error bars that are not to be trusted at this count, and statistics too noisy to be of use."""
+    kurtosis = statistics.kurtosis
+    if e.reference is not None:
+        known = np.array([_kurtosis(cell) for cell in e.reference])
+        kurtosis = np.where(np.isnan(known), kurtosis, known)
+    finite = np.isfinite(kurtosis)
+    if e.reference is not None:
+        finite &= np.isfinite([cell.variance for cell in e.reference])
+    needed = TAIL_SAMPLES * np.maximum(kurtosis - 1.0, 0.0)
+    heavy = finite & (needed > e.samples)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        relative = statistics.mean_stderr / np.abs(statistics.mean)
+        imprecise = ~heavy & finite & (statistics.mean > 0) & (relative > IMPRECISE)
+    return [
+        _finding(
+            "heavy-tail",
+            heavy,
+            e.theta_o_deg,
+            "rare large weights carry the fourth moment, and error bars from the samples do not hold at this count; "
+            f"{_rounded_up(np.max(needed[heavy], initial=0.0)):,} samples would do",
+            samples_needed=[_rounded_up(value) for value in needed[heavy]],
+        ),
+        _finding(
+            "imprecise",
+            imprecise,
+            e.theta_o_deg,
+            f"the standard error of the mean is above {IMPRECISE:.0%} of the mean",
+        ),
+    ]
+
+
+def _kurtosis(cell: CellReference) -> float:
+    """m4/m2^2 of the reference; 1 where the weight is constant, NaN where it has no fourth moment."""
+    if not math.isfinite(cell.fourth_moment):
+        return math.nan
+    return cell.fourth_moment / cell.variance**2 if cell.variance > 1e-20 else 1.0
+
+
+def _rounded_up(count: float) -> int:
+    """A count with two significant digits, rounded up."""
+    if count < 1:
+        return 1
+    step = 10 ** max(0, math.floor(math.log10(count)) - 1)
+    return math.ceil(count / step) * step

@@ -1,0 +1,20 @@
+// A point on the unit circle from a uniform number, with one polynomial pair for cosine and sine.
+#ifndef SAMPLERSCOPE_CIRCLE
+#define SAMPLERSCOPE_CIRCLE
+
+// (cos 2 pi u, sin 2 pi u) for u in [0, 1). u is first reduced to an eighth turn around the nearest quarter, which is
+// exact in binary; there the polynomials (Cephes library, sinf.c and cosf.c) are good to 1 ulp. Exact at quarter turns.
+vec2 point_on_circle(float u) {
+    float quarter = floor(4.0 * u + 0.5);
+    float a = (u - 0.25 * quarter) * 6.28318530717959;
+    float t = a * a;
+    float s = a + a * t * ((-1.9515295891e-4 * t + 8.3321608736e-3) * t - 1.6666654611e-1);
+    float c = 1.0 - 0.5 * t + t * t * ((2.443315711809948e-5 * t - 1.388731625493765e-3) * t + 4.166664568298827e-2);
+    uint q = uint(quarter);
+    vec2 p = (q & 1u) == 0u ? vec2(c, s) : vec2(s, c);
+    bool flip_x = ((q + 1u) & 2u) != 0u;
+    bool flip_y = (q & 2u) != 0u;
+    return vec2(flip_x ? -p.x : p.x, flip_y ? -p.y : p.y);
+}
+
+#endif

@@ -1,0 +1,9 @@
+// Tests by bit pattern. max, min, clamp and pow turn a NaN into a number on some drivers, so look before they are called.
+#ifndef SAMPLERSCOPE_FINITE
+#define SAMPLERSCOPE_FINITE
+
+bool is_nonfinite(float x) {
+    return (floatBitsToUint(x) & 0x7f800000u) == 0x7f800000u;
+}
+
+#endif

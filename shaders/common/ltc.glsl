@@ -1,0 +1,90 @@
+// Linearly transformed cosines (Heitz et al. 2016) for the EON model: M = [a 0 b; 0 c 0; d 0 1] acts on a cosine lobe in
+// the azimuth frame of wo. Source of the coefficients: Portsmouth, Kutz, Hill 2024 (EON), Listing 2.
+#ifndef SAMPLERSCOPE_LTC
+#define SAMPLERSCOPE_LTC
+
+#include "common/circle.glsl"
+
+struct LtcLobe {
+    float a;
+    float b;
+    float c;
+    float d;
+    float determinant;
+};
+
+LtcLobe ltc_lobe(float a, float b, float c, float d) {
+    return LtcLobe(a, b, c, d, c * (a - b * d));
+}
+
+// The fit of Listing 2 at view cosine mu and roughness r. d is expanded in e = 1 - mu, which is exact near normal
+// incidence: there both polynomials of the printed form nearly vanish and float32 loses the ratio. d changes sign at
+// theta_o = 0.7755 degrees: positive closer to the normal, negative beyond.
+LtcLobe eon_lobe(float mu, float r) {
+    float e = 1.0 - mu;
+    float a = 1.0 + r * (0.303392 + (-0.518982 + 0.111709 * mu) * mu + (-0.276266 + 0.335918 * mu) * r);
+    float b = r * (-1.16407 + 1.15859 * mu + (0.150815 - 0.150105 * mu) * r) / (mu * mu * mu - 1.43545);
+    float c = 1.0 + (0.20013 + (-0.506373 + 0.261777 * mu) * mu) * r;
+    float d = r * (-0.000006 + (0.065466 + 0.475392 * e) * e) / (-0.0017372 + (-2.0725628 + e) * e);
+    return ltc_lobe(a, b, c, d);
+}
+
+// The same fit with d = 0: no direction leaves the hemisphere.
+LtcLobe eon_lobe_nonnegative(float mu, float r) {
+    LtcLobe lobe = eon_lobe(mu, r);
+    return ltc_lobe(lobe.a, lobe.b, lobe.c, 0.0);
+}
+
+// Density per steradian of w, on the whole sphere: eq. 23 and 24 with M^-1 written by its adjugate.
+float ltc_density(LtcLobe lobe, vec3 w) {
+    vec3 h = vec3(lobe.c * (w.x - lobe.b * w.z),
+                  (lobe.a - lobe.b * lobe.d) * w.y,
+                  lobe.c * (lobe.a * w.z - lobe.d * w.x));
+    float squared = dot(h, h);
+    float ratio = lobe.determinant / squared;
+    return INV_PI * ratio * ratio * max(h.z, 0.0);
+}
+
+// Carries a direction h of the cosine lobe, drawn with density pdf, to the transformed lobe.
+DirectionSample ltc_transform(LtcLobe lobe, vec3 h, float pdf) {
+    vec3 w = vec3(lobe.a * h.x + lobe.b * h.z, lobe.c * h.y, lobe.d * h.x + h.z);
+    float squared = dot(w, w);
+    float inverse = inversesqrt(squared);
+    return DirectionSample(w * inverse, pdf * squared / (inverse * lobe.determinant));
+}
+
+// u1 is the squared cosine of the untransformed direction: the density's zero, and with it the weight's tail, lies at
+// u1 = 0, where random numbers are dense.
+DirectionSample ltc_sample(LtcLobe lobe, vec2 u) {
+    float cosine = sqrt(u.x);
+    vec2 p = sqrt(1.0 - u.x) * point_on_circle(u.y);
+    return ltc_transform(lobe, vec3(p, cosine), INV_PI * cosine);
+}
+
+// Clipped LTC (section 3.1): the untransformed direction comes from the part of the cosine hemisphere that maps above
+// the horizon. Its projection is a half disk and, on the side that the sign of d clips, a half ellipse of semi-axis
+// 1/sqrt(1 + d^2); `cltc_area` is the area of both in units of pi.
+float cltc_area(LtcLobe lobe) {
+    return 0.5 + 0.5 * inversesqrt(1.0 + lobe.d * lobe.d);
+}
+
+float cltc_density(LtcLobe lobe, vec3 w) {
+    return w.z > 0.0 ? ltc_density(lobe, w) / cltc_area(lobe) : 0.0;
+}
+
+// The disk point (x, y), x^2 + y^2 = 1 - u1, is squeezed along x into half disk and half ellipse. The squared cosine
+// 1 - x^2 - y^2 of the result is formed from factors that do not cancel: with q^2 = 1 - y^2, 1 - x0^2 - y^2 = u1 exactly.
+DirectionSample cltc_sample(LtcLobe lobe, vec2 u) {
+    float area = cltc_area(lobe);
+    vec2 disk = sqrt(1.0 - u.x) * point_on_circle(u.y);
+    float q = sqrt(disk.x * disk.x + u.x);
+    float gap = disk.x > 0.0 ? u.x / (q + disk.x) : q - disk.x;
+    float cosine = sqrt(area * gap * (q * (2.0 - area) + area * disk.x));
+    float x = q * (1.0 - area) + area * disk.x;
+    vec3 h = vec3(lobe.d > 0.0 ? x : -x, disk.y, cosine);
+    DirectionSample s = ltc_transform(lobe, h, INV_PI * cosine / area);
+    s.wi.z = max(s.wi.z, 0.0);
+    return s;
+}
+
+#endif

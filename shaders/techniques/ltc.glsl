@@ -1,0 +1,22 @@
+/*---
+provides = ["technique"]
+name = "ltc"
+title = "LTC, general fit"
+source = "Portsmouth, Kutz, Hill 2024 (EON), section 3.1 and Listing 2"
+models = ["eon", "eon-approx", "fon"]
+uses = ["roughness"]
+below_horizon = true
+singular = ["the density is zero on a part of the hemisphere where the model is not, for every roughness above 0"]
+---*/
+#include "common/frame.glsl"
+#include "common/ltc.glsl"
+
+DirectionSample sample_direction(vec3 wo, vec2 u) {
+    DirectionSample s = ltc_sample(eon_lobe(wo.z, roughness), u);
+    s.wi = from_azimuth_frame(s.wi, azimuth(wo));
+    return s;
+}
+
+float direction_pdf(vec3 wo, vec3 wi) {
+    return ltc_density(eon_lobe(wo.z, roughness), to_azimuth_frame(wi, azimuth(wo)));
+}
