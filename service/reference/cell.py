@@ -1,0 +1,70 @@
+"""Float64 truth of one cell: a model, a technique, parameter values and a view direction."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from service.reference.entry import load_model, load_technique
+from service.reference.moments import Pair, integrate_moments, tail_strength
+from service.reference.supremum import supremum
+
+
+@dataclass(frozen=True)
+class CellReference:
+    """Exact statistics of the throughput weight w = f cos_i / p of one cell."""
+
+    mean: float  # what the average of unboundedly many weights tends to
+    albedo: float  # directional albedo of the model, which an unbiased technique's mean equals
+    variance: float  # inf where it diverges
+    fourth_moment: float  # fourth central moment, inf where it diverges
+    max_weight: float  # supremum, inf where there is no bound
+    uncovered: float  # integral of f cos_i over directions that are never drawn: mean = albedo - uncovered
+    zero_probability: float  # probability that a sample weighs zero, for instance below the horizon
+    tail_strength: float  # kappa in P(w > W) ~ kappa / (2 W^2); 0 where the variance is finite
+    relative_error: float  # difference of the last two refinements of the moments, relative to them
+
+
+def cell_reference(
+    model: str, technique: str, parameters: Mapping[str, float], theta_o: float, phi_o: float = 0.0
+) -> CellReference | None:
+    """Reference of one cell; None where the model or the technique has no reference file.
+
+    Angles are radians, 0 <= theta_o < pi/2. Parameters that are absent take the value 1, their declared default. All
+    models so far are isotropic: the result does not depend on ``phi_o``. Raises ValueError for an angle out of range.
+    """
+    if not 0.0 <= theta_o < 0.5 * math.pi:
+        raise ValueError(f"theta_o must be in [0, pi/2) radians, not {theta_o}")
+    the_model, the_technique = load_model(model), load_technique(technique)
+    if the_model is None or the_technique is None:
+        return None
+    sine = math.sin(theta_o)
+    wo = np.array([sine * math.cos(phi_o), sine * math.sin(phi_o), math.cos(theta_o)])
+    pair = Pair(the_model, the_technique, parameters, wo)
+    kappa = tail_strength(pair)
+    moments = integrate_moments(pair, finite=kappa == 0.0)
+    return CellReference(
+        mean=moments.mean,
+        albedo=float(the_model.directional_albedo(wo[2], parameters)),
+        variance=moments.variance,
+        fourth_moment=moments.fourth,
+        max_weight=math.inf if kappa > 0.0 else supremum(pair),
+        uncovered=moments.uncovered,
+        zero_probability=moments.weightless,
+        tail_strength=kappa,
+        relative_error=moments.error,
+    )
+
+
+def cells_reference(
+    model: str, technique: str, parameters: Mapping[str, float], theta_o: Sequence[float], phi_o: float = 0.0
+) -> list[CellReference] | None:
+    """References of the cells at many view angles (radians), in their order; None as in :func:`cell_reference`."""
+    cells = [cell_reference(model, technique, parameters, theta, phi_o) for theta in theta_o]
+    found = [cell for cell in cells if cell is not None]
+    return found if len(found) == len(cells) and _exists(model, technique) else None
+
+
+def _exists(model: str, technique: str) -> bool:
+    return load_model(model) is not None and load_technique(technique) is not None
