@@ -63,9 +63,9 @@ class Head(BaseModel):
     parameters: dict[str, Parameter] = {}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Entry:
-    """One shader file: its declaration and its code. `origin` is the name that compile errors show."""
+    """One shader file: its declaration and its code. `origin` is the name that compile errors show. Equal by identity."""
 
     head: Head
     code: str

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -99,7 +98,7 @@ def info(format_: str | None, outputs: tuple[str, ...], device: str | None) -> N
     """Device, driver, versions and the catalogue."""
     from service.information import describe
 
-    _deliver(describe(device), format_, outputs)
+    _deliver(lambda: describe(device), format_, outputs)
 
 
 @cli.command()
@@ -110,7 +109,7 @@ def stats(format_: str | None, outputs: tuple[str, ...], device: str | None, **o
     from service.scene import parse_scene
 
     scene = parse_scene(scene_data(**options))
-    _deliver(None, format_, outputs, compute=lambda: _statistics(scene, device))
+    _deliver(lambda: _statistics(scene, device), format_, outputs)
 
 
 @cli.command()
@@ -127,10 +126,11 @@ def figure(
     device: str | None,
 ) -> None:
     """A figure of a paper, by name: eon-11, eon-13."""
-    from service.figures.papers import figure_scene
+    from service.papers import figure_scene, paper_figure
 
-    scene = figure_scene(name, **_given(samples=_integer("samples", samples), seed=_integer("seed", seed)))
-    _deliver(None, format_, outputs, compute=lambda: {**_statistics(scene, device), "figure": name})
+    paper = paper_figure(name)
+    scene = figure_scene(paper, **_given(samples=_integer("samples", samples), seed=_integer("seed", seed)))
+    _deliver(lambda: _statistics(scene, device), format_, outputs, chart=paper.chart)
 
 
 def scene_data(
@@ -235,24 +235,28 @@ class ProgressLine:
 
 
 def _deliver(
-    result: dict[str, Any] | None,
-    format_: str | None,
-    outputs: tuple[str, ...],
-    compute: Callable[[], dict[str, Any]] | None = None,
+    compute: Callable[[], dict[str, Any]], format_: str | None, outputs: tuple[str, ...], chart: str = "statistics"
 ) -> None:
-    """Write a result to the files asked for, else to stdout. Formats and paths are checked before anything is computed."""
+    """Write a result to the files asked for, else to stdout. Formats and paths are checked before anything is computed.
+
+    With files in the formats of their suffixes, the table still goes to stdout.
+    """
     from service import formats
 
-    targets = [(Path(path), format_ or formats.format_of(path)) for path in outputs]
-    if format_ is not None:
-        formats.require(format_)
-    for path, _ in targets:
-        formats.check_writable(path)
-    if result is None:
-        assert compute is not None
-        result = compute()
+    targets = [(path, format_ or formats.format_of(path)) for path in outputs]
+    for path, name in [*targets, ("stdout", format_ or "table")]:
+        formats.require(name)
+        if path != "stdout":
+            formats.require_writable(path)
+    result = compute()
+
+    def draw(result: Any) -> Any:
+        from service import figures
+
+        return getattr(figures, f"{chart}_chart")(result)
+
     for path, name in targets:
-        formats.write(path, formats.encode(result, name))
+        formats.write(result, path, name, draw)
     if format_ is None or not targets:
-        sys.stdout.buffer.write(formats.encode(result, format_ or "table"))
+        sys.stdout.buffer.write(formats.encode(result, format_ or "table", draw))
         sys.stdout.buffer.flush()

@@ -20,9 +20,9 @@ from service.sampling import CellSums
 FALSE_ALARM = 1e-6
 """Probability that a correct series is called biased by chance."""
 
-TAIL_SAMPLES = 100
+TAIL_SAMPLES = 1000
 """A variance's error bar is trusted when (kurtosis - 1)/n is below 1/TAIL_SAMPLES: about as many samples as this then lie
-in the tail that carries the fourth moment."""
+in the tail that carries the fourth moment, and the error bar itself is known to a few percent."""
 
 RELATIVE_BIAS = 1e-6
 """A reference whose mean differs from the albedo by more, relatively, is a biased technique; below is its own accuracy."""

@@ -1,0 +1,49 @@
+"""The catalogue: what the shipped files declare, and what a file may not do."""
+
+import pytest
+
+from service.catalogue import load_catalogue, read_entry
+from service.errors import ShaderFileError
+
+HEAD = 'provides = ["model"]\nname = "mine"\ntitle = "Mine"\nsource = "own"\n'
+CODE = "float brdf(vec3 wi, vec3 wo) { return 1.0; }\n"
+
+
+def entry(head=HEAD, code=CODE):
+    return read_entry(f"/*---\n{head}---*/\n{code}", "mine.glsl")
+
+
+def test_every_shipped_file_is_found_under_its_own_name():
+    catalogue = load_catalogue()
+    assert set(catalogue.models) == {"lambert", "fon", "eon", "eon-approx"}
+    assert set(catalogue.techniques) == {"cosine", "uniform", "ltc-nonnegative", "ltc", "cltc", "cltc-mis"}
+    for name, item in [*catalogue.models.items(), *catalogue.techniques.items()]:
+        assert item.origin.endswith(f"/{name}.glsl")
+
+
+def test_a_minimal_file_is_enough():
+    assert entry().head.models == "any"
+
+
+@pytest.mark.parametrize(
+    ("head", "code", "says"),
+    [
+        (HEAD + "colour = 3\n", CODE, "colour"),
+        (HEAD.replace('"mine"', '"My Name"'), CODE, "name"),
+        ('name = "mine"\n', CODE, "provides"),
+        (HEAD + "x = = 1\n", CODE, "not TOML"),
+        (HEAD + "[parameters.samples]\nmin = 0\nmax = 1\ndefault = 0\n", CODE, "samples"),
+        (HEAD + "[parameters.r]\nmin = 0\nmax = 1\ndefault = 2\n", CODE, "min <= default <= max"),
+        (HEAD, "float f() { return 1.0; }", "brdf"),
+        (HEAD.replace("model", "technique"), CODE, "sample_direction"),
+    ],
+)
+def test_a_file_that_breaks_the_contract_is_refused_with_its_name(head, code, says):
+    with pytest.raises(ShaderFileError, match=r"mine\.glsl") as caught:
+        entry(head, code)
+    assert says in str(caught.value)
+
+
+def test_a_file_without_head_is_refused():
+    with pytest.raises(ShaderFileError, match="head"):
+        read_entry(CODE, "mine.glsl")
