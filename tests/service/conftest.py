@@ -1,0 +1,73 @@
+"""What the tests of the service share: an engine on the real driver with validation, and a way to probe single inputs."""
+
+from __future__ import annotations
+
+import struct
+
+import numpy as np
+import pytest
+
+from lavapipe import default_cache
+from service.catalogue import load_catalogue
+from service.engine import Engine
+from service.scene import parse_scene, resolve
+from service.statistics import compute_statistics
+
+
+@pytest.fixture(scope="session")
+def engine(device):
+    return Engine(device, load_catalogue(), default_cache())
+
+
+@pytest.fixture
+def compute(engine):
+    """Answer a scene given as keywords; the model is eon unless said."""
+
+    def run(catalogue=None, **scene):
+        at = engine if catalogue is None else Engine(engine.device, catalogue, engine.cache)
+        return compute_statistics(resolve(parse_scene({"model": "eon", **scene}), at.catalogue), at)
+
+    return run
+
+
+@pytest.fixture
+def probe(engine):
+    """Evaluate a model and technique at (u1, u2) or at wi, for one view each: arrays of the probe's outputs."""
+
+    def run(model, technique, wo, *, u=None, wi=None, **parameters):
+        catalogue = engine.catalogue
+        entries = catalogue.model(model), catalogue.technique(technique)
+        declared = catalogue.parameters_of(*entries)
+        value = np.asarray(u if wi is None else wi, np.float32)
+        count = len(value)
+        inputs = np.zeros((count, 2, 4), np.float32)
+        inputs[:, 0, :3] = wo
+        inputs[:, 1, : value.shape[1]] = value
+        row = [parameters.get(name, parameter.default) for name, parameter in declared.items()]
+        device = engine.device
+        pipeline = engine.pipeline(*entries, "probe", {0: wi is None})
+        with (
+            device.buffer((count, 2, 4), np.float32) as given,
+            device.buffer((count, max(1, len(row))), np.float32) as rows,
+            device.buffer((count, 2, 4), np.float32) as found,
+        ):
+            given.array[:] = inputs
+            rows.array[:, : len(row)] = np.broadcast_to(np.array(row, np.float32), (count, len(row)))
+            device.run(pipeline, [given, rows, found], (-(-count // 64), 1, 1), push_constants=struct.pack("<I", count))
+            out = found.array.copy()
+        return {
+            "wi": out[:, 0, :3],
+            "pdf": out[:, 0, 3],
+            "brdf": out[:, 1, 0],
+            "direction_pdf": out[:, 1, 1],
+            "weight": out[:, 1, 2],
+            "albedo": out[:, 1, 3],
+        }
+
+    return run
+
+
+def view(theta_o, phi_o=0.0):
+    """wo for angles in radians, shape (..., 3)."""
+    theta_o, phi_o = np.broadcast_arrays(np.asarray(theta_o, float), np.asarray(phi_o, float))
+    return np.stack([np.sin(theta_o) * np.cos(phi_o), np.sin(theta_o) * np.sin(phi_o), np.cos(theta_o)], axis=-1)
