@@ -1,0 +1,55 @@
+"""JSON that is strict (no NaN, no Infinity) and readable: one line for each array of numbers.
+
+Keys keep the order of the result, which is the contract's; equal results give equal bytes.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from typing import Any
+
+
+def encode(value: Any) -> bytes:
+    """Return `value` as indented JSON in UTF-8 with a final newline.
+
+    Raises ValueError naming the place of the first number that is not finite, and TypeError for what JSON lacks.
+    """
+    try:
+        return (_block(value, "") + "\n").encode()
+    except ValueError:
+        place = _not_finite(value, "")
+        raise ValueError(f"a result may not hold a number that is not finite, but {place}") from None
+
+
+def line(value: Any) -> str:
+    """Return `value` as JSON on one line; raises as `encode` does, without the place."""
+    return json.dumps(value, allow_nan=False, ensure_ascii=False)
+
+
+def _block(value: Any, indent: str) -> str:
+    deeper = indent + "  "
+    if isinstance(value, Mapping) and value:
+        entries = (f"{deeper}{line(_key(key))}: {_block(item, deeper)}" for key, item in value.items())
+        return "{\n" + ",\n".join(entries) + f"\n{indent}}}"
+    if isinstance(value, list | tuple) and any(isinstance(item, Mapping | list | tuple) for item in value):
+        return "[\n" + ",\n".join(deeper + _block(item, deeper) for item in value) + f"\n{indent}]"
+    return line({} if isinstance(value, Mapping) else value)
+
+
+def _key(key: Any) -> str:
+    if not isinstance(key, str):
+        raise TypeError(f"keys of a result are strings, not {type(key).__name__}")
+    return key
+
+
+def _not_finite(value: Any, place: str) -> str:
+    if isinstance(value, Mapping):
+        found = (_not_finite(item, f"{place}.{key}" if place else str(key)) for key, item in value.items())
+    elif isinstance(value, list | tuple):
+        found = (_not_finite(item, f"{place}[{index}]") for index, item in enumerate(value))
+    else:
+        bad = isinstance(value, float) and not math.isfinite(value)
+        return f"{place or 'it'} is {value}" if bad else ""
+    return next((text for text in found if text), "")
