@@ -23,9 +23,10 @@ from service.errors import BadInput, Problem, ShaderFileError
 SHADERS = Path(__file__).resolve().parent.parent / "shaders"
 
 RESERVED = frozenset(
-    "model techniques parameters angles theta_o_deg phi_o_deg samples seed method tolerance statistics format "
-    "reference error_bars zip estimator".split()
+    ["model", "parameters", "zip", "techniques", "angles", "theta_o_deg", "phi_o_deg", "statistics", "reference"]
+    + ["estimator", "method", "samples", "seed", "tolerance", "error_bars", "format"]
 )
+"""Names of a scene's fields and of query parameters, which a parameter may not have."""
 
 _HEAD = re.compile(r"\s*/\*---\n(.*?)\n---\*/", re.DOTALL)
 _REQUIRED_FUNCTIONS = {"model": ("brdf",), "technique": ("sample_direction", "direction_pdf")}
@@ -65,7 +66,7 @@ class Head(BaseModel):
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """One shader file: its declaration and its code. `origin` is the name that compile errors show. Equal by identity."""
+    """One shader file: its declaration and its code. `origin` is its name in compile errors. Equal by identity."""
 
     head: Head
     code: str

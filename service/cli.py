@@ -242,12 +242,10 @@ def _deliver(
     With files in the formats of their suffixes, the table still goes to stdout.
     """
     from service import formats
+    from service.formats.targets import require_format, target
 
-    targets = [(path, format_ or formats.format_of(path)) for path in outputs]
-    for path, name in [*targets, ("stdout", format_ or "table")]:
-        formats.require(name)
-        if path != "stdout":
-            formats.require_writable(path)
+    require_format(format_ or "table")
+    targets = [target(path, format_) for path in outputs]
     result = compute()
 
     def draw(result: Any) -> Any:

@@ -1,8 +1,8 @@
 """GLSL source text: what a file declares at its top level, and renaming it into a namespace of its own.
 
 GLSL has no namespaces. A model and a technique are separate files that may use equal helper names, so every name a file
-declares gets the file's prefix. Text is rewritten token by token: lines stay where they are, so that compile errors keep
-the author's line numbers.
+declares gets the file's prefix. Text is rewritten token by token: lines stay where they are, so that compile errors
+keep the author's line numbers.
 """
 
 from __future__ import annotations

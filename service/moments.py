@@ -1,8 +1,8 @@
 """From sums of powers to statistics with error bars.
 
-The device sums powers of (weight - shift), where the shift is the median of the cell's first weights. A median lies within
-one standard deviation of the mean, so moving the moments to the mean cancels at most about one bit, and a technique with
-zero variance reports zero rather than rounding.
+The device sums powers of (weight - shift), where the shift is the median of the cell's first weights. A median lies
+within one standard deviation of the mean, so moving the moments to the mean cancels at most about one bit, and a
+technique with zero variance reports zero rather than rounding.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ def from_power_sums(count: NDArray[np.int64], shift: Array, sums: Array, moments
     """Statistics from power sums.
 
     count: samples a cell, shape (cells,). shift: shape (cells,). sums: sums of (w - shift)^k for k = 1 to 4, shape
-    (4, cells). The variance is the unbiased one (n - 1); its standard error is that of the sample variance of independent
-    samples, sqrt((m4 - (n - 3)/(n - 1) s^4)/n), with the samples' own fourth central moment m4. Kurtosis is m4/m2^2. What
-    needs a power above `moments`, the highest that was summed, is NaN.
+    (4, cells). The variance is the unbiased one (n - 1); its standard error is that of the sample variance of
+    independent samples, sqrt((m4 - (n - 3)/(n - 1) s^4)/n), with the samples' own fourth central moment m4. Kurtosis
+    is m4/m2^2. What needs a power above `moments`, the highest that was summed, is NaN.
     """
     n = count.astype(np.float64)
     with np.errstate(divide="ignore", invalid="ignore"):

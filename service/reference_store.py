@@ -1,6 +1,7 @@
 """References of whole series, kept on disk cell by cell: they are exact, so each is computed once for ever.
 
-A stored cell is found by its inputs and by the content of the reference code, so a change of that code forgets them all.
+A stored cell is found by its inputs and by the content of the reference code, so a change of that code forgets them
+all.
 """
 
 from __future__ import annotations

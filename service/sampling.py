@@ -9,7 +9,8 @@ from __future__ import annotations
 import struct
 from collections import deque
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +21,8 @@ from service.random_numbers import BLOCK_SAMPLES
 
 LANES = 64
 PILOT_SAMPLES = 64
-LAUNCH_BLOCKS = 256      # 4 M samples: tens of milliseconds, so that progress and cancelling are prompt
-LAUNCHES_IN_FLIGHT = 2   # the host adds one launch while the device draws the next
+LAUNCH_BLOCKS = 256  # 4 M samples: tens of milliseconds, so that progress and cancelling are prompt
+LAUNCHES_IN_FLIGHT = 2  # the host adds one launch while the device draws the next
 TIMEOUT_S = 600.0
 NO_INDEX = 0xFFFFFFFF
 
@@ -44,7 +45,9 @@ class Cells:
 
 @dataclass
 class CellSums:
-    """What a run found, an entry a cell. `first_bad` is the index of the first non-finite sample, -1 where there is none."""
+    """What a run found, an entry a cell. `first_bad` is the index of the first non-finite sample, -1 where there is
+    none.
+    """
 
     drawn: NDArray[np.int64]
     zero: NDArray[np.int64]
@@ -54,7 +57,7 @@ class CellSums:
     shift: NDArray[np.float64]
     powers: NDArray[np.float64]
     largest: NDArray[np.float64]
-    device_ns: int = field(default=0)
+    device_ns: int = 0
 
     @property
     def counted(self) -> NDArray[np.int64]:
@@ -71,7 +74,9 @@ class _Launch:
 
 
 class Sampler:
-    """A pipeline with its buffers, ready to draw for up to `len(cells)` cells. Close it, or use it as a context manager."""
+    """A pipeline with its buffers, ready to draw for up to `len(cells)` cells. Close it, or use it as a context
+    manager.
+    """
 
     def __init__(self, device: Device, pipeline: Pipeline, cells: Cells) -> None:
         self._device = device
@@ -161,7 +166,7 @@ def _launches(cells: int, samples: int) -> Iterator[_Launch]:
             yield _Launch(first_cell, count, first_block, min(step, blocks - first_block))
 
 
-def _view(buffer: Buffer, launch: _Launch) -> NDArray[np.generic]:
+def _view(buffer: Buffer, launch: _Launch) -> NDArray[Any]:
     """The five outputs of a launch as (output, cell, block, lane)."""
     shape = (5, launch.cells, launch.blocks, LANES)
     return buffer.array[: 5 * launch.cells * launch.blocks * LANES].reshape(shape)
@@ -187,7 +192,7 @@ def _add(total: CellSums, launch: _Launch, submission: Submission, outputs: tupl
     return int(drawn.sum())
 
 
-def _note_first_bad(first_bad: NDArray[np.int64], found: NDArray[np.generic], first_block: int) -> None:
+def _note_first_bad(first_bad: NDArray[np.int64], found: NDArray[np.uint32], first_block: int) -> None:
     """Keep the lowest index of a non-finite sample. `found` has an index within each block, or NO_INDEX."""
     offsets = (first_block + np.arange(found.shape[1], dtype=np.int64)) * BLOCK_SAMPLES
     indices = np.where(found == NO_INDEX, np.iinfo(np.int64).max, found + offsets).min(axis=1)
@@ -196,9 +201,14 @@ def _note_first_bad(first_bad: NDArray[np.int64], found: NDArray[np.generic], fi
 
 
 def _empty_sums(cells: int) -> CellSums:
-    integers = [np.zeros(cells, np.int64) for _ in range(4)]
+    def none_yet() -> NDArray[np.int64]:
+        return np.zeros(cells, np.int64)
+
     return CellSums(
-        *integers,
+        drawn=none_yet(),
+        zero=none_yet(),
+        nonfinite=none_yet(),
+        negative=none_yet(),
         first_bad=np.full(cells, -1, np.int64),
         shift=np.zeros(cells),
         powers=np.zeros((4, cells)),

@@ -163,7 +163,9 @@ def _moment_columns(
 
 
 def _reference_columns(scene: Scene, cells: Sequence[CellReference] | None) -> dict[str, list[float | None]] | None:
-    """The reference as columns; `variance_stderr` is the standard error to expect of a variance from this many samples."""
+    """The reference as columns; `variance_stderr` is the standard error to expect of a variance from this many
+    samples.
+    """
     if cells is None:
         return None
     n = scene.estimator.samples

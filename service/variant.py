@@ -15,8 +15,7 @@ from service.catalogue import SHADERS, Catalogue, Entry
 
 _LANGUAGE = "#version 460\n#extension GL_GOOGLE_cpp_style_line_directive : enable\n"
 _PREAMBLE = (
-    "#line 1 \"variant\"\n"
-    '#include "common/contract.glsl"\n#include "common/finite.glsl"\n#include "common/random.glsl"\n'
+    '#line 1 "variant"\n#include "common/contract.glsl"\n#include "common/finite.glsl"\n#include "common/random.glsl"\n'
 )
 
 
@@ -60,7 +59,9 @@ def _part(entry: Entry, prefix: str, parameters: Iterable[str]) -> str:
 def _loader(parameters: Sequence[str]) -> str:
     """The function that fills the parameters of a cell from the buffer, one row a cell."""
     stride = len(parameters)
-    lines = [f"    parameter_{name} = parameter_values[cell * {stride}u + {i}u];\n" for i, name in enumerate(parameters)]
+    lines = [
+        f"    parameter_{name} = parameter_values[cell * {stride}u + {i}u];\n" for i, name in enumerate(parameters)
+    ]
     return "void load_parameters(uint cell) {\n" + "".join(lines) + "}\n"
 
 

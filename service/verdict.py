@@ -21,11 +21,11 @@ FALSE_ALARM = 1e-6
 """Probability that a correct series is called biased by chance."""
 
 TAIL_SAMPLES = 1000
-"""A variance's error bar is trusted when (kurtosis - 1)/n is below 1/TAIL_SAMPLES: about as many samples as this then lie
-in the tail that carries the fourth moment, and the error bar itself is known to a few percent."""
+"""A variance's error bar is trusted when (kurtosis - 1)/n is below 1/TAIL_SAMPLES: about as many samples as this then
+lie in the tail that carries the fourth moment, and the error bar itself is known to a few percent."""
 
 RELATIVE_BIAS = 1e-6
-"""A reference whose mean differs from the albedo by more, relatively, is a biased technique; below is its own accuracy."""
+"""A technique whose reference mean differs from the albedo by more than this share of it is biased."""
 
 ORDER = (
     "nonfinite",
@@ -47,7 +47,7 @@ Bools = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Evidence:
-    """All that a verdict rests on; every array has one entry an angle. `statistics` is None where no moment was asked."""
+    """All that a verdict rests on, one entry an angle. `statistics` is None where no moment was asked for."""
 
     theta_o_deg: Angles
     samples: int
@@ -64,9 +64,8 @@ def verdict(evidence: Evidence) -> dict[str, Any]:
         findings += _known(evidence, evidence.reference)
     if evidence.statistics is not None:
         findings += _biased(evidence, evidence.statistics) + _tails(evidence, evidence.statistics)
-    findings = [finding for finding in findings if finding is not None]
-    findings.sort(key=lambda finding: ORDER.index(finding["name"]))
-    return {"status": findings[0]["name"] if findings else "ok", "findings": findings}
+    held = sorted((finding for finding in findings if finding is not None), key=lambda f: ORDER.index(f["name"]))
+    return {"status": held[0]["name"] if held else "ok", "findings": held}
 
 
 def finite_or_none(values: Any) -> list[float | None]:
@@ -79,7 +78,9 @@ def _finding(name: str, where: Bools, angles: Angles, message: str, **evidence: 
     if not np.any(where):
         return None
     held = [angle for angle, holds in zip(angles, where, strict=True) if holds]
-    place = f"at {held[0]:g} degrees" if len(held) == 1 else f"at {len(held)} angles, {held[0]:g} to {held[-1]:g} degrees"
+    place = (
+        f"at {held[0]:g} degrees" if len(held) == 1 else f"at {len(held)} angles, {held[0]:g} to {held[-1]:g} degrees"
+    )
     return {"name": name, "message": f"{message} ({place})", "evidence": {"theta_o_deg": held, **evidence}}
 
 
@@ -91,7 +92,7 @@ def _counted(e: Evidence) -> list[dict[str, Any] | None]:
             "nonfinite",
             bad,
             e.theta_o_deg,
-            f"{e.sums.nonfinite.sum()} samples have a weight, density or direction that is not finite; they are left out",
+            f"{e.sums.nonfinite.sum()} samples have a weight, density or direction that is not finite, and are left out",
             count=e.sums.nonfinite[bad].tolist(),
             replay=[replay for replay, is_bad in zip(e.replay, bad, strict=True) if is_bad],
         ),
@@ -187,7 +188,9 @@ def _biased(e: Evidence, statistics: Statistics) -> list[dict[str, Any] | None]:
 def bernstein_half_width(
     variance: NDArray[np.float64], bound: NDArray[np.float64], samples: int, false_alarm: float
 ) -> NDArray[np.float64]:
-    """Half width of a two-sided interval for the mean of `samples` weights in [0, bound] with this variance (Bernstein)."""
+    """Half width of a two-sided interval for the mean of `samples` weights in [0, bound] with this variance
+    (Bernstein).
+    """
     log_term = math.log(2.0 / false_alarm)
     linear = np.where(np.isfinite(bound), bound, 0.0) * log_term / 3.0
     spread = np.where(np.isfinite(variance), variance, 0.0)
@@ -237,5 +240,5 @@ def _rounded_up(count: float) -> int:
     """A count with two significant digits, rounded up."""
     if count < 1:
         return 1
-    step = 10 ** max(0, math.floor(math.log10(count)) - 1)
+    step: int = 10 ** max(0, math.floor(math.log10(count)) - 1)
     return math.ceil(count / step) * step

@@ -14,7 +14,9 @@ PNG_SCALE = 2
 
 
 def encode(chart: AnyChart, format: str) -> bytes:  # noqa: A002 (the word of the CLI and the API)
-    """Return `chart` as `vega`, `png` (at two pixels a point) or `svg`; raises ValueError where a datum is not finite."""
+    """Return `chart` as `vega`, `png` (at two pixels a point) or `svg`; raises ValueError where a datum is not
+    finite.
+    """
     # Altair checks every inline datum against the whole schema: seconds for thousands of angles. The charts'
     # specifications are validated by their tests instead.
     spec: dict[str, Any] = chart.to_dict(validate=False)

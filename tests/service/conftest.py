@@ -1,4 +1,6 @@
-"""What the tests of the service share: an engine on the real driver with validation, and a way to probe single inputs."""
+"""What the tests of the service share: an engine on the real driver with validation, and a way to probe single
+inputs.
+"""
 
 from __future__ import annotations
 
@@ -15,8 +17,14 @@ from service.statistics import compute_statistics
 
 
 @pytest.fixture(scope="session")
-def engine(device):
-    return Engine(device, load_catalogue(), default_cache())
+def session_engine(_session_device):
+    return Engine(_session_device, load_catalogue(), default_cache())
+
+
+@pytest.fixture
+def engine(device, session_engine):
+    """The session's engine; `device` fails the test on what the validation layer says."""
+    return session_engine
 
 
 @pytest.fixture
