@@ -17,7 +17,7 @@ Result = Mapping[str, Any]
 Draw = Callable[[Result], "AnyChart"]
 
 
-class UnknownFormat(ValueError):
+class UnknownFormat(ValueError):  # noqa: N818 (it names what was asked for, as in the rest of the project)
     """A format, or a suffix of a file name, that a result cannot be written in."""
 
 
@@ -60,7 +60,9 @@ def format_of(path: str | os.PathLike[str]) -> str:
     for suffix in sorted(suffixes, key=len, reverse=True):
         if name.endswith(suffix):
             return suffixes[suffix]
-    raise UnknownFormat(f"no format is known by the name of the file {os.fspath(path)!r}; allowed: {', '.join(suffixes)}")
+    raise UnknownFormat(
+        f"no format is known by the name of the file {os.fspath(path)!r}; allowed: {', '.join(suffixes)}"
+    )
 
 
 def encode(result: Result, format: str, chart: Draw | None = None) -> bytes:  # noqa: A002 (the word of the CLI and the API)
