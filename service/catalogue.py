@@ -23,8 +23,10 @@ from service.errors import BadInput, Problem, ShaderFileError
 SHADERS = Path(__file__).resolve().parent.parent / "shaders"
 
 RESERVED = frozenset(
-    ["model", "parameters", "zip", "techniques", "angles", "theta_o_deg", "phi_o_deg", "statistics", "reference"]
-    + ["estimator", "method", "samples", "seed", "tolerance", "error_bars", "format"]
+    {
+        *("model", "parameters", "zip", "techniques", "angles", "theta_o_deg", "phi_o_deg", "statistics", "reference"),
+        *("estimator", "method", "samples", "seed", "tolerance", "error_bars", "format"),
+    }
 )
 """Names of a scene's fields and of query parameters, which a parameter may not have."""
 

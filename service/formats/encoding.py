@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+from service.errors import SamplerscopeError
 from service.formats import kinds
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ Result = Mapping[str, Any]
 Draw = Callable[[Result], "AnyChart"]
 
 
-class UnknownFormat(ValueError):
+class UnknownFormat(SamplerscopeError, ValueError):
     """A format, or a suffix of a file name, that a result cannot be written in."""
 
 

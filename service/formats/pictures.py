@@ -14,12 +14,8 @@ PNG_SCALE = 2
 
 
 def encode(chart: AnyChart, format: str) -> bytes:  # noqa: A002 (the word of the CLI and the API)
-    """Return `chart` as `vega`, `png` (at two pixels a point) or `svg`; raises ValueError where a datum is not
-    finite.
-    """
-    # Altair checks every inline datum against the whole schema: seconds for thousands of angles. The charts'
-    # specifications are validated by their tests instead.
-    spec: dict[str, Any] = chart.to_dict(validate=False)
+    """Return `chart` as `vega`, `png` (two pixels a point) or `svg`; raises ValueError for a datum not finite."""
+    spec = _specification(chart)
     if format == "vega":
         return strict_json.encode(spec)
     import altair
@@ -30,3 +26,19 @@ def encode(chart: AnyChart, format: str) -> bytes:  # noqa: A002 (the word of th
     if format == "png":
         return bytes(vl_convert.vegalite_to_png(text, vl_version=version, scale=PNG_SCALE))
     return str(vl_convert.vegalite_to_svg(text, vl_version=version)).encode()
+
+
+def _specification(chart: AnyChart) -> dict[str, Any]:
+    """Return the Vega-Lite specification of `chart`.
+
+    Its data sets, plain rows already, are carried over as they are: Altair looks at every value of every row, which
+    takes seconds for thousands of angles. The tests validate whole specifications against the schema.
+    """
+    import altair
+
+    bare = chart.copy(deep=False)
+    bare.datasets = altair.Undefined
+    spec: dict[str, Any] = bare.to_dict(validate=False)
+    if chart.datasets is not altair.Undefined:
+        spec["datasets"] = {**spec.get("datasets", {}), **chart.datasets}
+    return spec

@@ -1,4 +1,4 @@
-"""JSON that is strict (no NaN, no Infinity) and readable: one line for each array of numbers.
+"""JSON that is strict (no NaN, no Infinity) and readable: one line for each array of numbers and each short object.
 
 Keys keep the order of the result, which is the contract's; equal results give equal bytes.
 """
@@ -7,8 +7,11 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
+
+_LONGEST = 240
+"""An object of plain values stands on one line up to this length."""
 
 
 def encode(value: Any) -> bytes:
@@ -31,11 +34,17 @@ def line(value: Any) -> str:
 def _block(value: Any, indent: str) -> str:
     deeper = indent + "  "
     if isinstance(value, Mapping) and value:
+        if _flat(value.values()) and len(text := line({_key(key): item for key, item in value.items()})) <= _LONGEST:
+            return text
         entries = (f"{deeper}{line(_key(key))}: {_block(item, deeper)}" for key, item in value.items())
         return "{\n" + ",\n".join(entries) + f"\n{indent}}}"
-    if isinstance(value, list | tuple) and any(isinstance(item, Mapping | list | tuple) for item in value):
+    if isinstance(value, list | tuple) and not _flat(value):
         return "[\n" + ",\n".join(deeper + _block(item, deeper) for item in value) + f"\n{indent}]"
     return line({} if isinstance(value, Mapping) else value)
+
+
+def _flat(items: Iterable[Any]) -> bool:
+    return not any(isinstance(item, Mapping | list | tuple) for item in items)
 
 
 def _key(key: Any) -> str:

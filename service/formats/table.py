@@ -94,7 +94,8 @@ def cells(one: Series, statistic: str) -> list[str]:
 def _aligned(texts: Sequence[str]) -> list[str]:
     """Return the texts, all of one width, with their decimal points below one another."""
     whole = [len(re.split(r"[.(e ]", text)[0]) for text in texts]
-    shifted = [" " * (max(whole) - size) + text for text, size in zip(texts, whole, strict=True)]
+    widest = max(whole, default=0)
+    shifted = [" " * (widest - size) + text for text, size in zip(texts, whole, strict=True)]
     size = max(map(len, shifted), default=0)
     return [text.ljust(size) for text in shifted]
 

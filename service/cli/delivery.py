@@ -1,0 +1,62 @@
+"""Results to files and stdout, progress to stderr."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from service.statistics import Progress
+
+
+class ProgressLine:
+    """Progress on stderr: a line that is rewritten on a terminal, else one line for each technique."""
+
+    def __init__(self) -> None:
+        self._terminal = sys.stderr.isatty()
+        self._last = ""
+
+    def __enter__(self) -> Progress:
+        return self._advance
+
+    def _advance(self, name: str, done: int, total: int) -> None:
+        if self._terminal:
+            line = f"{done / total:4.0%}  {done / 1e6:.0f} of {total / 1e6:.0f} million samples  {name}"
+            click.echo(f"\r{line:<{len(self._last)}}", nl=False, err=True)
+            self._last = line
+        elif name != self._last:
+            click.echo(f"{done / total:4.0%}  {name}", err=True)
+            self._last = name
+
+    def __exit__(self, *_: object) -> None:
+        if self._terminal and self._last:
+            click.echo(f"\r{'':<{len(self._last)}}\r", nl=False, err=True)
+
+
+def deliver(
+    compute: Callable[[], dict[str, Any]], format_: str | None, outputs: tuple[str, ...], chart: str = "statistics"
+) -> None:
+    """Write a result to the files asked for, else to stdout. Formats and paths are checked before anything is computed.
+
+    With files in the formats of their suffixes, the table still goes to stdout.
+    """
+    from service import formats
+    from service.formats.targets import require_format, target
+
+    require_format(format_ or "table")
+    targets = [target(path, format_) for path in outputs]
+    result = compute()
+
+    def draw(result: Any) -> Any:
+        from service import figures
+
+        return getattr(figures, f"{chart}_chart")(result)
+
+    for path, name in targets:
+        formats.write(result, path, name, draw)
+    if format_ is None or not targets:
+        sys.stdout.buffer.write(formats.encode(result, format_ or "table", draw))
+        sys.stdout.buffer.flush()
