@@ -97,7 +97,7 @@ def sample_lobe(lobe: Lobe, wo: Array, u1: Array, u2: Array) -> tuple[Array, Arr
 
 
 def lobe_edge(lobe: Lobe, floor: float = 0.0) -> Edge | None:
-    """Edge of the lobe for one view, the image of the untransformed horizon; None where the two cannot be told apart."""
+    """Edge of the lobe for one view, the image of the untransformed horizon; None where the two are as good as one."""
     if abs(lobe.d) < FLAT:
         return None
     normal = np.hypot(lobe.a, lobe.d)
