@@ -12,7 +12,7 @@ from service.reference.partition import Partition, partition_hemisphere
 COARSE, FINE = 12, 18  # nodes a side of a patch
 GOAL = 1e-10  # difference of the two rules at which refining stops
 MOST_PIECES = 8  # a patch is cut into this many pieces a side at the most
-NEGLIGIBLE = 1e-20  # of the squared mean: a variance below it is rounding and its own relative error means nothing
+NEGLIGIBLE = 1e-18  # of the squared mean: a variance below it is made of rounded weights; its error is then absolute
 
 
 @dataclass(frozen=True)
@@ -144,7 +144,7 @@ def _integrate(pair: Pair, partition: Partition, order: int, pieces: int, finite
 
 def _difference(coarse: Mapping[str, float], fine: Mapping[str, float]) -> float:
     mean = abs(fine["mean"])
-    scales = {"mean": mean, "uncovered": mean}
+    scales = {"mean": mean, "uncovered": mean, "weightless": 1.0}
     if np.isfinite(fine["variance"]):
         scales["variance"] = max(fine["variance"], NEGLIGIBLE * mean**2)
         scales["fourth"] = max(fine["fourth"], NEGLIGIBLE**2 * mean**4)
