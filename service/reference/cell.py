@@ -42,14 +42,14 @@ def cell_reference(
     sine = math.sin(theta_o)
     wo = np.array([sine * math.cos(phi_o), sine * math.sin(phi_o), math.cos(theta_o)])
     pair = Pair(the_model, the_technique, parameters, wo)
-    kappa = tail_strength(pair)
-    moments = integrate_moments(pair, finite=kappa == 0.0)
+    kappa, unbounded = tail_strength(pair)
+    moments = integrate_moments(pair, finite=not unbounded)
     return CellReference(
         mean=moments.mean,
         albedo=float(the_model.directional_albedo(wo[2], parameters)),
         variance=moments.variance,
         fourth_moment=moments.fourth,
-        max_weight=math.inf if kappa > 0.0 else supremum(pair),
+        max_weight=math.inf if unbounded else supremum(pair),
         uncovered=moments.uncovered,
         zero_probability=moments.weightless,
         tail_strength=kappa,

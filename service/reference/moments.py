@@ -10,9 +10,9 @@ from service.reference.entry import Array, Edge, Model, Parameters, Technique
 from service.reference.partition import Partition, partition_hemisphere
 
 COARSE, FINE = 12, 18  # nodes a side of a patch
-GOAL = 1e-11  # difference of the two rules at which refining stops
+GOAL = 1e-10  # difference of the two rules at which refining stops
 MOST_PIECES = 8  # a patch is cut into this many pieces a side at the most
-NEGLIGIBLE = 1e-20  # of the squared mean: a variance below it is rounding and its own relative error means nothing
+NEGLIGIBLE = 1e-18  # of the squared mean: a variance below it is made of rounded weights; its error is then absolute
 
 
 @dataclass(frozen=True)
@@ -83,19 +83,21 @@ def edge_points(edge: Edge, angle: Array) -> Array:
     return np.stack([np.cos(angle) * lean, np.sin(angle), np.cos(angle) * height], axis=-1)
 
 
-def tail_strength(pair: Pair) -> float:
-    """kappa in P(w > W) ~ kappa / (2 W^2), from the edge beyond which the density is zero.
+def tail_strength(pair: Pair) -> tuple[float, bool]:
+    """kappa in P(w > W) ~ kappa / (2 W^2), and whether the weight is without bound.
 
-    At a distance n inside it p = k n, so w > W within n = f cos / (k W), which holds the probability
-    (f cos)^2 / (2 k W^2) per unit of length; kappa is the integral of (f cos)^2 / k along the edge.
+    Both come from the edge beyond which the density is zero. At a distance n inside it p = k n, so w > W within
+    n = f cos / (k W), which holds the probability (f cos)^2 / (2 k W^2) per unit of length; kappa is the integral of
+    (f cos)^2 / k along the edge.
     """
     edge = pair.edge
     if edge is None or edge.floor > 0.0:
-        return 0.0
+        return 0.0, False
     nodes, weights = _rule(24, 4)
     points = edge_points(edge, nodes * 0.5 * np.pi)
     turned = pair.directions(np.arcsin(points[..., 2]), np.arctan2(points[..., 1], points[..., 0]))
-    return float(np.pi * np.sum(weights * pair.reflected(turned) ** 2 / edge.slope(points)))
+    reflected = pair.reflected(turned)
+    return float(np.pi * np.sum(weights * reflected**2 / edge.slope(points))), bool(np.any(reflected > 0.0))
 
 
 def integrate_moments(pair: Pair, finite: bool) -> Moments:
@@ -103,8 +105,10 @@ def integrate_moments(pair: Pair, finite: bool) -> Moments:
     partition, pieces = pair.partition(), 1
     fine = _integrate(pair, partition, FINE, pieces, finite)
     error = _difference(_integrate(pair, partition, COARSE, pieces, finite), fine)
-    while error > GOAL and pieces < MOST_PIECES:
-        pieces *= 2
+    before = np.inf
+    # Where halving the patches no longer helps, rounding is what is left: weights of 1 + 1e-7, say.
+    while error > GOAL and error < 0.9 * before and pieces < MOST_PIECES:
+        pieces, before = 2 * pieces, error
         coarse, fine = fine, _integrate(pair, partition, FINE, pieces, finite)
         error = _difference(coarse, fine)
     return Moments(**fine, error=error)
@@ -123,17 +127,16 @@ def _integrate(pair: Pair, partition: Partition, order: int, pieces: int, finite
     elevation, azimuth, jacobian = partition.angles(nodes[:, None], nodes[None, :])
     solid_angle = 2.0 * jacobian * np.cos(elevation) * weights[:, None] * weights
     wi = pair.directions(elevation, azimuth)
-    reflected, density = pair.reflected(wi) * solid_angle, pair.density(wi)
-    covered = density > 0.0
-    mean = float(np.sum(reflected, where=covered))
-    uncovered = float(np.sum(reflected, where=~covered))
-    mass = density * solid_angle
+    reflected, density = pair.reflected(wi), pair.density(wi)
+    covered, mass = density > 0.0, density * solid_angle
+    mean = float(np.sum(reflected * solid_angle, where=covered))
+    uncovered = float(np.sum(reflected * solid_angle, where=~covered))
     below = pair.technique.below_horizon(pair.wo, pair.parameters)
     weightless = min(1.0, below + float(np.sum(mass, where=reflected == 0.0)))
     variance = fourth = np.inf
     if finite:
         # About the mean from the start, so that a technique of constant weight gives 1e-28 and not 1e-16.
-        squared = (reflected / np.where(covered, mass, 1.0) - mean) ** 2
+        squared = (reflected / np.where(covered, density, 1.0) - mean) ** 2
         variance = float(np.sum(mass * squared)) + below * mean**2
         fourth = float(np.sum(mass * squared**2)) + below * mean**4
     return {"mean": mean, "variance": variance, "fourth": fourth, "uncovered": uncovered, "weightless": weightless}
@@ -141,7 +144,7 @@ def _integrate(pair: Pair, partition: Partition, order: int, pieces: int, finite
 
 def _difference(coarse: Mapping[str, float], fine: Mapping[str, float]) -> float:
     mean = abs(fine["mean"])
-    scales = {"mean": mean, "uncovered": mean}
+    scales = {"mean": mean, "uncovered": mean, "weightless": 1.0}
     if np.isfinite(fine["variance"]):
         scales["variance"] = max(fine["variance"], NEGLIGIBLE * mean**2)
         scales["fourth"] = max(fine["fourth"], NEGLIGIBLE**2 * mean**4)

@@ -100,8 +100,12 @@ def _plain_bounds() -> list[Bound]:
 
 
 def _edge_bounds(edge: Edge, smoothing: float) -> list[Bound]:
-    """Azimuth bounds below the top of the edge, finer towards it on the side of the lobe."""
-    follow = [1.0 - step / QUARTER for step in _powers(3.0 * smoothing, QUARTER)]
-    if edge.normal_x > 0.0:
-        return [(0.0, 0.0), *((QUARTER, f) for f in [0.0, *reversed(follow), 1.0]), (np.pi, 0.0)]
-    return [(0.0, 0.0), *((QUARTER, f) for f in [1.0, *follow, 0.0]), (np.pi, 0.0)]
+    """Azimuth bounds below the top of the edge, finer towards it on the side of the lobe.
+
+    At the horizon the edge stands a quarter turn from wo, so the quarter beyond feels it as well.
+    """
+    steps = _powers(3.0 * smoothing / abs(edge.normal_x), QUARTER)
+    fixed = [(QUARTER - step, 0.0) for step in reversed(steps)]
+    moving = [(QUARTER, 1.0 - step / QUARTER) for step in reversed(steps)]
+    bounds = [(0.0, 0.0), *fixed, (QUARTER, 0.0), *moving, (QUARTER, 1.0), (np.pi, 0.0)]
+    return bounds if edge.normal_x > 0.0 else [(np.pi - base, follow) for base, follow in reversed(bounds)]

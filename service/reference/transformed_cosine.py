@@ -9,6 +9,8 @@ import numpy as np
 
 from service.reference.entry import Array, Edge
 
+FLAT = 1e-32  # shear below which the edge is the horizon: it would give tails of a strength below 1e-64
+
 
 @dataclass(frozen=True)
 class Lobe:
@@ -95,8 +97,8 @@ def sample_lobe(lobe: Lobe, wo: Array, u1: Array, u2: Array) -> tuple[Array, Arr
 
 
 def lobe_edge(lobe: Lobe, floor: float = 0.0) -> Edge | None:
-    """Edge of the lobe for one view, the image of the untransformed horizon; None for d = 0, where both are one."""
-    if lobe.d == 0.0:
+    """Edge of the lobe for one view, the image of the untransformed horizon; None where the two are as good as one."""
+    if abs(lobe.d) < FLAT:
         return None
     normal = np.hypot(lobe.a, lobe.d)
     scale = (lobe.c * lobe.stretch) ** 2 * lobe.c * normal / np.pi / (lobe.above if lobe.clipped else 1.0)
