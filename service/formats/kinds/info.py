@@ -8,7 +8,7 @@ from typing import Any
 
 def text(result: Mapping[str, Any]) -> str:
     """Device, versions and catalogue, a line each."""
-    lines = [f"{name:<16}{value}" for part in ("device", "versions") for name, value in result[part].items()]
+    lines = [f"{name:<26}{value}" for part in ("device", "versions") for name, value in result[part].items()]
     for kind in ("models", "techniques"):
         lines += ["", kind]
         for entry in result["catalogue"][kind]:
