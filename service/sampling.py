@@ -82,11 +82,8 @@ class Sampler:
         self._device = device
         self._pipeline = pipeline
         self._count = len(cells)
-        table = np.zeros(len(cells), _CELL)
-        table["wo"] = cells.wo
-        table["key"] = cells.keys
-        self._cells = device.buffer((len(cells),), _CELL)
-        self._cells.array[:] = table
+        self._cells = device.buffer((len(cells),), CELL)
+        self._cells.array[:] = cell_table(cells)
         self._parameters = device.buffer((max(1, cells.parameters.size),), np.float32)
         self._parameters.array[: cells.parameters.size] = cells.parameters.ravel()
         self._outputs = [self._output_pair() for _ in range(LAUNCHES_IN_FLIGHT)]
@@ -154,7 +151,16 @@ class Sampler:
         return self._device.buffer(size, np.float32), self._device.buffer(size, np.uint32)
 
 
-_CELL = np.dtype([("wo", "<f4", 3), ("shift", "<f4"), ("key", "<u4", 2), ("padding", "<u4", 2)])
+CELL = np.dtype([("wo", "<f4", 3), ("shift", "<f4"), ("key", "<u4", 2), ("padding", "<u4", 2)])
+"""A cell as the shaders see it."""
+
+
+def cell_table(cells: Cells) -> NDArray[Any]:
+    """The cells as an array of CELL, shift 0."""
+    table = np.zeros(len(cells), CELL)
+    table["wo"] = cells.wo
+    table["key"] = cells.keys
+    return table
 
 
 def _launches(cells: int, samples: int) -> Iterator[_Launch]:

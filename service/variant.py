@@ -41,6 +41,7 @@ def compose(catalogue: Catalogue, model: Entry, technique: Entry, job: str) -> V
             _part(model, "model", model.head.parameters),
             _part(technique, "technique", [*technique.head.parameters, *technique.head.uses]),
             f"#define ALBEDO_OF_VIEW {'model_directional_albedo(wo.z)' if has_albedo else '0.0'}\n",
+            f"#define U1_SPLIT {'technique_u1_split(wo)' if 'u1_split' in technique.declared else '0.0'}\n",
             '#line 1 "variant"\n#include "common/weight.glsl"\n',
             f'#line 1 "{job}.comp"\n',
             _job_text(job),
