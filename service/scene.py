@@ -107,7 +107,7 @@ def parse_scene(data: Mapping[str, Any]) -> Scene:
     try:
         return Scene.model_validate(data)
     except ValidationError as error:
-        raise BadInput(_problems(error)) from None
+        raise BadInput(scene_problems(error)) from None
 
 
 def resolve(scene: Scene, catalogue: Catalogue) -> Question:
@@ -175,7 +175,7 @@ def _one_or_list(values: list[float]) -> object:
     return values[0] if len(values) == 1 else values
 
 
-def _problems(error: ValidationError) -> list[Problem]:
+def scene_problems(error: ValidationError) -> list[Problem]:
     """Pydantic's findings as fields, values and ranges. A union reports every branch; the most telling one is kept."""
     found: dict[str, Problem] = {}
     for item in error.errors(include_url=False):
@@ -206,6 +206,9 @@ _ALLOWED = {
     "estimator.samples": f"a whole number, 1 to {MAX_SAMPLES}",
     "estimator.seed": "a whole number, 0 to 2^63 - 1",
     "estimator.tolerance": f"a number, {MIN_TOLERANCE:g} to 1",
+    "target_error": "a number above 0 and below 1",
+    "replicates": "a whole number, 32 to 1024",
+    "estimators": "a list out of mc, qmc, quadrature",
     "parameters": "a number or a list of numbers for each name",
     "zip": "lists of two or more names of swept parameters",
 }

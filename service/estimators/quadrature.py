@@ -54,6 +54,7 @@ def quadrature(
         bad_inputs=bad,
         unreached=~found.converged,
         divergent=found.growing & goal.variance,
+        evaluations=int(found.nodes.sum()),
         device_ns=evaluate.device_ns,
         built_ms=built_ms,
     )

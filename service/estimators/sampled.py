@@ -70,6 +70,7 @@ def monte_carlo(
         bad_inputs=bad,
         unreached=np.zeros(len(cells), bool),
         divergent=np.zeros(len(cells), bool),
+        evaluations=int(sums.drawn.sum()),
         device_ns=sums.device_ns,
         built_ms=built_ms,
     )
@@ -112,6 +113,7 @@ def quasi_monte_carlo(
         bad_inputs=bad,
         unreached=np.zeros(len(cells), bool),
         divergent=np.zeros(len(cells), bool),
+        evaluations=int(sums.drawn.sum()),
         device_ns=sums.device_ns,
         built_ms=built_ms,
     )
