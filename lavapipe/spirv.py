@@ -6,6 +6,7 @@ process dies. So the host reads the module first. Numbers are those of the SPIR-
 
 from __future__ import annotations
 
+import numbers
 import struct
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -37,16 +38,18 @@ class SpecConstant:
 
     def encode(self, value: int | float | bool) -> bytes:
         """The value as Vulkan takes it; raises InvalidArgument where the type cannot hold it."""
-        if self.kind == "float":
-            return struct.pack({16: "<e", 32: "<f", 64: "<d"}[self.bits], value)
-        if self.kind == "bool" and value not in (False, True):
-            raise InvalidArgument(f"{value!r} is no bool")
-        if int(value) != value:
-            raise InvalidArgument(f"{value!r} is no whole number")
+        if not isinstance(value, numbers.Real):
+            raise InvalidArgument(f"{value!r} is no number")
         try:
-            return int(value).to_bytes(self.bits // 8, "little", signed=self.kind == "int")
-        except OverflowError:
-            raise InvalidArgument(f"{value!r} does not fit {self.kind}{self.bits}") from None
+            if self.kind == "float":
+                return struct.pack({16: "<e", 32: "<f", 64: "<d"}[self.bits], value)
+            if int(value) == value and (self.kind != "bool" or value in (0, 1)):
+                return int(value).to_bytes(self.bits // 8, "little", signed=self.kind == "int")
+        except (OverflowError, ValueError):
+            pass
+        raise InvalidArgument(
+            f"{value!r} does not fit {self.kind if self.kind == 'bool' else self.kind + str(self.bits)}"
+        )
 
 
 @dataclass(frozen=True)
