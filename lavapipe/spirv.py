@@ -57,7 +57,7 @@ class Module:
     """What a compute module asks for.
 
     `bindings` are the (set, binding) of its storage buffers, `other_resources` whether it declares images, samplers,
-    uniform buffers and the like, `push_constant_bytes` the end of its push-constant block.
+    uniform buffers, arrays of buffers and the like, `push_constant_bytes` the end of its push-constant block.
     """
 
     instructions: int
@@ -72,6 +72,13 @@ class Module:
 def read_module(spirv: bytes) -> Module:
     """Read a SPIR-V module; raises InvalidArgument where it is none."""
     words = _words(spirv)
+    try:
+        return _read(words)
+    except (LookupError, RecursionError):
+        raise InvalidArgument("spirv: damaged, it refers to what it does not declare") from None
+
+
+def _read(words: Sequence[int]) -> Module:
     tables = _Tables()
     count = 0
     for opcode, operands in _instructions(words):
@@ -80,13 +87,13 @@ def read_module(spirv: bytes) -> Module:
     if not tables.entry_points:
         raise InvalidArgument("spirv: no compute entry point")
     placed = {i: (tables.sets.get(i, 0), b) for i, b in tables.bindings.items()}
-    classes = {i: storage for i, (_, storage) in tables.variables.items()}
+    buffers = {i for i in placed if tables.is_buffer(i)}
     return Module(
         instructions=count,
         capabilities=frozenset(tables.capabilities),
         entry_points=tuple(tables.entry_points),
-        bindings=frozenset(place for i, place in placed.items() if classes.get(i) == _STORAGE_BUFFER),
-        other_resources=any(classes.get(i) != _STORAGE_BUFFER for i in placed),
+        bindings=frozenset(placed[i] for i in buffers),
+        other_resources=len(buffers) < len(placed),
         specialization=tables.specialization(),
         push_constant_bytes=tables.push_constant_bytes(),
     )
@@ -158,6 +165,11 @@ class _Tables:
         }
         if words[1] in tables:
             tables[words[1]][words[0]] = words[2]
+
+    def is_buffer(self, variable: int) -> bool:
+        """Whether this is one storage buffer; an array of them takes other bindings."""
+        pointer, storage = self.variables.get(variable, (0, -1))
+        return storage == _STORAGE_BUFFER and self.types[self.types[pointer][1][1]][0] == _TYPE_STRUCT
 
     def specialization(self) -> dict[int, SpecConstant]:
         return {

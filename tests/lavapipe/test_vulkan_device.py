@@ -176,8 +176,9 @@ def test_bad_pipelines_are_named(device: Device) -> None:
     ("declaration", "message"),
     [
         ("layout(set = 1, binding = 0) buffer B { float b[]; };", "set 1 binding 0"),
-        ("layout(set = 0, binding = 0) uniform B { float b[4]; };", "only storage buffers"),
-        ("layout(set = 0, binding = 0, r32f) uniform image2D image;", "only storage buffers"),
+        ("layout(set = 0, binding = 0) uniform B { float b[4]; };", "only single storage buffers"),
+        ("layout(set = 0, binding = 0) buffer B { float x; } b[2];", "only single storage buffers"),
+        ("layout(set = 0, binding = 0, r32f) uniform image2D image;", "only single storage buffers"),
         (
             "#extension GL_EXT_buffer_reference : enable\nlayout(buffer_reference) buffer R { float b[]; };\n"
             "layout(push_constant) uniform P { R reference; };",
@@ -187,6 +188,8 @@ def test_bad_pipelines_are_named(device: Device) -> None:
 )
 def test_shaders_that_reach_beyond_their_buffers_are_refused(device: Device, declaration: str, message: str) -> None:
     use = "imageStore(image, ivec2(0), vec4(0));" if "image" in declaration else "float x = b[0];"
+    if "b[2]" in declaration:
+        use = "b[1].x = 1.0;"
     if "reference" in declaration:
         use = "reference.b[0] = 1.0;"
     spirv = compile_glsl(f"#version 450\n{declaration}\nlayout(local_size_x = 1) in;\nvoid main() {{ {use} }}\n")
