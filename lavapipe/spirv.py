@@ -133,6 +133,7 @@ class _Tables:
     bindings: dict[int, int] = field(default_factory=dict)
     strides: dict[int, int] = field(default_factory=dict)
     members: dict[tuple[int, int, int], int] = field(default_factory=dict)
+    sizes: dict[tuple[int, int], int] = field(default_factory=dict)
 
     def take(self, opcode: int, words: Sequence[int]) -> None:
         try:
@@ -191,6 +192,13 @@ class _Tables:
         return max((self._size(self.types[pointer][1][1]) for pointer in blocks), default=0)
 
     def _size(self, type_id: int, matrix_stride: int = 0) -> int:
+        # Remembered, because structures nested twice each would double the work with every level.
+        key = type_id, matrix_stride
+        if key not in self.sizes:
+            self.sizes[key] = self._measured(type_id, matrix_stride)
+        return self.sizes[key]
+
+    def _measured(self, type_id: int, matrix_stride: int) -> int:
         opcode, words = self.types[type_id]
         if opcode in (_TYPE_INT, _TYPE_FLOAT):
             return words[0] // 8
