@@ -41,8 +41,8 @@ def compile_glsl(
     `name` stands for the source in error messages. `#include "NAME"` takes its text from `include` and from nowhere
     else. `defines` follow `#version` (460 where the source has none). `#line LINE "FILE"` is honoured. The result is
     kept in `cache`, by default the user's. Raises CompileError with file and line of each message, also where the
-    compiler takes longer than `timeout_s` seconds or more memory than it may; InvalidArgument for a bad define; DeviceNotFound
-    where glslangValidator is not installed.
+    compiler takes longer than `timeout_s` seconds or more memory than it may; InvalidArgument for a bad define;
+    DeviceNotFound where glslangValidator is not installed.
     """
     if timeout_s <= 0:
         raise InvalidArgument(f"timeout_s={timeout_s}: a positive number of seconds")
@@ -129,7 +129,8 @@ def _diagnostics(said: str, composed: Composed, name: str) -> list[Diagnostic]:
             continue
         if not _SUMMARY.match(diagnostic.message):
             found.append(diagnostic)
-    return found[:_MESSAGE_LIMIT]
+    # Where lines are at fault, the linker's complaints only follow from them.
+    return ([d for d in found if d.line] or found)[:_MESSAGE_LIMIT]
 
 
 def _crash(code: int, name: str) -> list[Diagnostic]:
