@@ -16,7 +16,7 @@ from service.formats.series import Series, read, swept, swept_value
 AnyChart = alt.VConcatChart | alt.HConcatChart
 Datasets = dict[str, list[points.Row]]
 
-_CHARACTERS_A_PANEL = 56
+_CHARACTERS_A_PANEL = 64
 
 _NO_LIMIT = {"variance": "infinite variance", "max_weight": "unbounded weight"}
 

@@ -28,7 +28,7 @@ def test_json_has_no_constant_that_strict_parsers_refuse():
 def test_a_number_that_is_not_finite_is_refused(bad, format_):
     result = six_techniques(3)
     result["series"][2]["variance"][1] = bad
-    with pytest.raises(ValueError, match="not finite.*variance"):
+    with pytest.raises(ValueError, match=r"not finite.*variance"):
         encode(result, format_)
 
 
