@@ -78,6 +78,17 @@ def test_sampler_and_density_have_the_same_averages(name: str, theta: float) -> 
         assert np.all(above)
 
 
+@pytest.mark.parametrize("theta", [0.0, 0.3, 0.7754, 0.7756, 10.0, 89.9])
+def test_clipped_lobe_ends_at_the_horizon_for_either_sign_of_d(theta: float) -> None:
+    u2 = np.linspace(0, 1, 1000, endpoint=False)
+    drawn, _ = technique("cltc").sample(view(theta), np.full(1000, 1 - 1e-14), u2, {"roughness": 1.0})
+    # The rim of the squeezed disk is half horizon, half edge of the lobe; 1e-14 of the disk is sqrt(1e-14) in height.
+    assert drawn[:, 2].min() == pytest.approx(0.0, abs=3e-7)
+    unclipped, _ = technique("ltc").sample(view(theta), np.full(1000, 1 - 1e-14), u2, {"roughness": 1.0})
+    if abs(theta - 0.7755) > 0.01:
+        assert unclipped[:, 2].min() < -1e-3
+
+
 @pytest.mark.parametrize("name", ["ltc-nonnegative", "ltc", "cltc", "cltc-mis"])
 def test_density_takes_the_view_first(name: str) -> None:
     wo, wi = view(80.0), view(30.0, 1.0)
