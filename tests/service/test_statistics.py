@@ -118,6 +118,13 @@ def test_at_roughness_0_every_technique_but_uniform_weighs_one(compute):
         assert series["verdict"]["status"] == "ok"
 
 
+@pytest.mark.parametrize("roughness", [0, 1e-3, 1])
+def test_a_clipped_lobe_loses_no_sample(compute, roughness):
+    """Not one of 128 million directions rounds to the horizon or to density zero."""
+    for series in compute(techniques=["cltc", "cltc-mis"], parameters={"roughness": roughness})["series"]:
+        assert series["zero_fraction"] == [0.0] * 64
+
+
 def test_albedo_0_reflects_nothing(compute):
     for series in compute(parameters={"albedo": 0}, theta_o_deg=[0, 45, 89.9])["series"]:
         assert column(series, "mean").tolist() == column(series, "variance").tolist() == [0, 0, 0]
