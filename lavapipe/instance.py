@@ -33,8 +33,13 @@ class Instance:
         self._teardown.close()
 
     def physical_devices(self) -> list[Any]:
-        """The VkPhysicalDevice handles, in the loader's order."""
-        return vk.enumerate_all("VkPhysicalDevice", "vkEnumeratePhysicalDevices", self.handle)
+        """The VkPhysicalDevice handles, in the loader's order. Raises DeviceNotFound where every driver fails."""
+        try:
+            return vk.enumerate_all("VkPhysicalDevice", "vkEnumeratePhysicalDevices", self.handle)
+        except DriverError as error:
+            if error.result == "VK_ERROR_INITIALIZATION_FAILED":  # a driver whose hardware is not here
+                raise DeviceNotFound(no_driver()) from None
+            raise
 
     def _create(self, teardown: ExitStack, validation: bool) -> Any:
         arena = vk.Arena()
