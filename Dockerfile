@@ -37,7 +37,7 @@ RUN --mount=type=secret,id=pipconf,target=/etc/pip.conf,required=false \
 
 # Compiles every shader of the catalogue once, so that a container starts with warm caches.
 ENV SAMPLERSCOPE_CACHE_DIR=/opt/cache/samplerscope MESA_SHADER_CACHE_DIR=/opt/cache/mesa
-RUN cd / && /opt/samplerscope/bin/python -m service.container warm
+RUN mkdir -p /opt/cache/mesa && cd / && /opt/samplerscope/bin/python -m service.container warm
 
 # The image: the interpreter, the environment, lavapipe, and the libraries these link to.
 RUN set -eu; \
@@ -48,7 +48,7 @@ RUN set -eu; \
     for file in /usr/bin/python3.11 $compiler "$arch/libvulkan.so.1" "$arch/libvulkan_lvp.so" \
             $(find /opt/samplerscope /usr/lib/python3.11 -name '*.so*' -type f); do \
         echo "$file"; ldd "$file" 2>/dev/null | sed -nE 's/.*=> (\/[^ ]+) .*/\1/p; s/^[[:space:]]*(\/[^ ]+) \(.*/\1/p'; \
-    done | sort -u | grep -v '^/opt/' | while read -r file; do cp --dereference --parents "$file" /image; done; \
+    done | sort -u | grep -v '^/opt/' | while read -r file; do cp --dereference --preserve=timestamps --parents "$file" /image; done; \
     cp -a /usr/lib/python3.11 /usr/lib/python3 /image/usr/lib/; \
     rm -rf /image/usr/lib/python3/dist-packages /image/usr/lib/python3.11/ensurepip /image/usr/lib/python3.11/lib2to3 \
         /image/usr/lib/python3.11/idlelib /image/usr/lib/python3.11/pydoc_data /image/usr/lib/python3.11/tkinter; \
