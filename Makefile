@@ -2,6 +2,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 OUT := out
+COMPILE := $(BIN)/uv pip compile --quiet --upgrade --generate-hashes --python-version 3.11 --custom-compile-command 'make lock'
 
 .DEFAULT_GOAL := help
 .PHONY: help setup stats figures test lint bench lock clean
@@ -11,10 +12,10 @@ help:  ## list the targets
 
 setup: .venv/ready  ## bring the Debian packages and make .venv with the command samplerscope
 
-.venv/ready: requirements.lock pyproject.toml lavapipe/install.sh
+.venv/ready: requirements-dev.lock pyproject.toml lavapipe/install.sh
 	lavapipe/install.sh
 	$(PYTHON) -m venv .venv
-	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes --requirement requirements.lock
+	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes --requirement requirements-dev.lock
 	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --editable .
 	@touch $@
 
@@ -35,10 +36,10 @@ lint: setup  ## style and types
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-lock: setup  ## resolve the dependencies anew and write requirements.lock
+lock: setup  ## resolve the dependencies anew: requirements.lock to run, requirements-dev.lock to test
 	$(BIN)/pip install --quiet 'uv>=0.8,<1'
-	$(BIN)/uv pip compile --quiet --upgrade --generate-hashes --python-version 3.11 --extra dev \
-	    --custom-compile-command 'make lock' --output-file requirements.lock pyproject.toml
+	$(COMPILE) --output-file requirements.lock pyproject.toml
+	$(COMPILE) --extra dev --constraint requirements.lock --output-file requirements-dev.lock pyproject.toml
 
 clean:  ## remove .venv and out/
 	rm -rf .venv $(OUT)

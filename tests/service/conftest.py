@@ -42,8 +42,9 @@ def compute(engine):
 def probe(engine):
     """Evaluate a model and technique at (u1, u2) or at wi, for one view each: arrays of the probe's outputs."""
 
-    def run(model, technique, wo, *, u=None, wi=None, **parameters):
-        catalogue = engine.catalogue
+    def run(model, technique, wo, *, u=None, wi=None, catalogue=None, **parameters):
+        at = engine if catalogue is None else Engine(engine.device, catalogue, engine.cache)
+        catalogue = at.catalogue
         entries = catalogue.model(model), catalogue.technique(technique)
         declared = catalogue.parameters_of(*entries)
         value = np.asarray(u if wi is None else wi, np.float32)
@@ -53,7 +54,7 @@ def probe(engine):
         inputs[:, 1, : value.shape[1]] = value
         row = [parameters.get(name, parameter.default) for name, parameter in declared.items()]
         device = engine.device
-        pipeline = engine.pipeline(*entries, "probe", {0: wi is None})
+        pipeline = at.pipeline(*entries, "probe", {0: wi is None})
         with (
             device.buffer((count, 2, 4), np.float32) as given,
             device.buffer((count, max(1, len(row))), np.float32) as rows,
