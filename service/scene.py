@@ -21,6 +21,7 @@ from service.errors import BadInput, Problem
 Statistic = Literal["mean", "variance", "max_weight"]
 STATISTICS: tuple[Statistic, ...] = ("mean", "variance", "max_weight")
 Method = Literal["mc", "qmc", "quadrature"]
+METHODS: tuple[Method, ...] = ("mc", "qmc", "quadrature")
 
 MAX_ANGLES = 4096
 MAX_SAMPLES = 2**40

@@ -1,4 +1,4 @@
-"""Efficiency across view angles and parameters: 1 / (relative variance x time of a call), who wins where, by how much."""
+"""Efficiency, 1 / (relative variance x time of a call), across view angles and parameters: who wins, by how much."""
 
 from __future__ import annotations
 

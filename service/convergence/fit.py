@@ -34,13 +34,15 @@ class Fit:
 
 
 def fit_power_law(
-    counts: Sequence[int], errors: Array, bias: Array, least_count: Array, target: float, curves: int
+    counts: Sequence[int], errors: Array, bias: Array, least_count: Array, target: float, curves: int, independent: bool
 ) -> Fit:
     """Fit the random part of the errors, that is without the bias, to a power of the count.
 
     errors: relative, signed, (K, R, angles). bias: of the technique, signed, (angles,). least_count: counts below it
     are not fitted, (angles,): there the mean of the samples is not yet normal, and replicates see too few of the rare
-    large weights. curves: how many are in the result, all of whose intervals are to hold at once. The noise of the points is correlated, because counts are nested, so whole replicates are resampled.
+    large weights. curves: how many are in the result, all of whose intervals are to hold at once. independent: whether
+    samples are; the count to the target then follows from their variance, and not from the fitted slope. The noise of
+    the points is correlated, because counts are nested, so whole replicates are resampled.
     """
     squares = (errors - bias) ** 2
     rms = np.sqrt(np.mean(squares, axis=1))
@@ -49,8 +51,9 @@ def fit_power_law(
     replicates = errors.shape[1]
     rng = np.random.default_rng(0)
     shares = rng.multinomial(replicates, np.full(replicates, 1 / replicates), RESAMPLES) / replicates
-    slope, count = _lines(counts, rms[None], used, reduced)
-    slopes, targets = _lines(counts, np.sqrt(np.einsum("br,kra->bka", shares, squares)), used, reduced)
+    resampled = np.sqrt(np.einsum("br,kra->bka", shares, squares))
+    slope, count = _lines(counts, rms[None], used, reduced, independent)
+    slopes, targets = _lines(counts, resampled, used, reduced, independent)
     widen = student_quantile(1.0 - (1.0 - CONFIDENCE) / curves, replicates - 1) * math.sqrt(
         replicates / (replicates - 1)
     )
@@ -78,8 +81,13 @@ def student_quantile(confidence: float, freedom: int) -> float:
     )
 
 
-def _lines(counts: Sequence[int], rms: Array, used: NDArray[np.bool_], target: Array) -> tuple[Array, Array]:
-    """Slope and count at the target of straight lines through (log count, log rms), each of shape (B, angles)."""
+def _lines(
+    counts: Sequence[int], rms: Array, used: NDArray[np.bool_], target: Array, independent: bool
+) -> tuple[Array, Array]:
+    """Slope and count at the target of straight lines through (log count, log rms), each of shape (B, angles).
+
+    Of independent samples the count is their variance, count x rms^2 on average, over the target's square.
+    """
     x = np.log(np.asarray(counts, float))[:, None]
     weight = np.where(used, 1.0, 0.0)
     y = np.log(np.maximum(rms, 1e-300))
@@ -90,5 +98,9 @@ def _lines(counts: Sequence[int], rms: Array, used: NDArray[np.bool_], target: A
         y_mean = (weight * y).sum(axis=1) / number
         dx = weight * (x - x_mean)
         slope = np.where(enough, (dx * (y - y_mean[:, None])).sum(axis=1) / (dx * dx).sum(axis=0), np.nan)
-        log_count = x_mean + (np.log(target) - y_mean) / slope
+        if independent:
+            variance = (weight * np.exp(x) * rms**2).sum(axis=1) / number
+            log_count = np.where(enough, np.log(variance) - 2.0 * np.log(target), np.nan)
+        else:
+            log_count = x_mean + (np.log(target) - y_mean) / slope
     return slope, np.asarray(np.exp(np.clip(log_count, -50.0, 200.0)))

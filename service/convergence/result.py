@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable
 from typing import Any, cast
@@ -123,7 +122,9 @@ def _series(
     if curve.method == "quadrature":
         return entry
     bias = np.where(truth.floor > 0, truth.mean / truth.albedo - 1.0, 0.0)
-    fit = fit_power_law(curve.counts, curve.mean_errors, bias, truth.kurtosis, scene.target_error, curves)
+    fit = fit_power_law(
+        curve.counts, curve.mean_errors, bias, truth.kurtosis, scene.target_error, curves, curve.method == "mc"
+    )
     return entry | _fitted(fit, cost)
 
 

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from pydantic import Field, ValidationError
 
 from service.errors import BadInput
-from service.scene import MAX_ANGLES, Angle, AngleCount, Estimator, Method, Scene, scene_problems
+from service.scene import MAX_ANGLES, METHODS, Angle, AngleCount, Estimator, Method, Scene, scene_problems
 
 LEAST_COUNT = 2**4
 
@@ -21,16 +21,13 @@ class ConvergenceScene(Scene):
     given, is the only estimator.
     """
 
-    theta_o_deg: AngleCount | Annotated[list[Angle], Field(min_length=1, max_length=MAX_ANGLES)] = [
-        0.0,
-        45.0,
-        80.0,
-        89.0,
-    ]
+    theta_o_deg: AngleCount | Annotated[list[Angle], Field(min_length=1, max_length=MAX_ANGLES)] = Field(
+        default_factory=lambda: [0.0, 45.0, 80.0, 89.0]
+    )
     estimator: Estimator = Estimator(method="mc", samples=2**20)
     target_error: float = Field(0.01, gt=0, lt=1, allow_inf_nan=False)
     replicates: int = Field(32, ge=32, le=1024)
-    estimators: list[Method] = Field(["mc", "qmc", "quadrature"], min_length=1)
+    estimators: list[Method] = Field(default_factory=lambda: list(METHODS), min_length=1)
 
     @property
     def counts(self) -> list[int]:

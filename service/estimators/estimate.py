@@ -19,7 +19,8 @@ class Estimate:
     estimator: as used, with the count for every cell. statistics: None where no moment was asked for; its standard
     errors are those of the estimator's own replicates (mc, qmc) or its bound of the error (quadrature).
     bad_inputs: sample index and (u1, u2) as float32 of the first sample that is not finite, None where all are.
-    evaluations: weights evaluated in all. unreached: cells whose stated error is above the tolerance. divergent: cells whose variance grew without limit.
+    evaluations: weights evaluated in all. unreached: cells whose stated error is above the tolerance. divergent: cells
+    whose variance grew without limit.
     """
 
     estimator: Estimator

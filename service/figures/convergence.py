@@ -31,15 +31,15 @@ def convergence_chart(result: Mapping[str, Any], title: str | None = None) -> An
     method = "mc" if any(one["estimator"] == "mc" for one in series) else series[0]["estimator"]
     mine = [one for one in series if one["estimator"] == method]
     rows: list[alt.HConcatChart] = [
-        _by_angle(mine, result["target_error"], "time_ms", "run time (ms on one thread): samples × cost of a call"),
+        _by_angle(mine, result["target_error"], "time_ms", "run time (ms), samples times cost of a call"),
         _by_angle(mine, result["target_error"], "samples", "samples"),
     ]
     if len({one["estimator"] for one in series}) > 1:
         rows.append(_by_technique(series, "relative_rmse", "error of the mean"))
         rows.append(_by_technique(series, "variance_relative_rmse", "error of the variance"))
-    chart: AnyChart = alt.vconcat(*rows).resolve_scale(color="independent", strokeDash="independent")
-    chart = chart.properties(title=_heading(result, title), config=style.config())
-    return chart
+    chart = alt.vconcat(*rows).resolve_scale(color="independent", strokeDash="independent")
+    drawn: AnyChart = chart.properties(title=_heading(result, title), config=style.config())
+    return drawn
 
 
 def _heading(result: Mapping[str, Any], title: str | None) -> alt.TitleParams:
@@ -62,12 +62,14 @@ def _heading(result: Mapping[str, Any], title: str | None) -> alt.TitleParams:
 
 def _name(one: Mapping[str, Any], series: Sequence[Mapping[str, Any]]) -> str:
     varied = [name for name in one["parameters"] if len({repr(other["parameters"].get(name)) for other in series}) > 1]
-    return " ".join([one["technique"], *(f"{name} {one['parameters'][name]:.6g}" for name in varied)])
+    endless = " (infinite variance)" if one["verdict"]["status"] == "infinite-variance" else ""
+    return " ".join([one["technique"], *(f"{name} {one['parameters'][name]:.6g}" for name in varied)]) + endless
 
 
 def _technique_lines(series: Sequence[Mapping[str, Any]]) -> Lines:
     labels = list(dict.fromkeys(_name(one, series) for one in series))
-    looks = style.technique_styles([label if " " not in label else f"{label}" for label in labels])
+    names = [next(one["technique"] for one in series if _name(one, series) == label) for label in labels]
+    looks = style.technique_styles(names if len(set(names)) == len(labels) else labels)
     return Lines("technique", None, labels, [look[0] for look in looks], [look[1] for look in looks])
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from service.cli.delivery import ProgressLine, deliver
-from service.cli.options import number, integer, names, output_options, scene_data, scene_options
+from service.cli.options import integer, names, number, output_options, scene_data, scene_options
 from service.convergence.scene import ConvergenceScene, parse_convergence_scene
 
 
@@ -41,7 +41,7 @@ def converge(
         if value is not None
     }
     scene = parse_convergence_scene(data)
-    deliver(lambda: convergence_of(scene, device), format_, outputs, chart="convergence")
+    deliver(lambda: convergence_of(scene, device), format_, outputs)
 
 
 def convergence_of(scene: ConvergenceScene, device: str | None) -> dict[str, Any]:

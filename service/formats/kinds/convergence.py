@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from service.formats.metrology import plain
@@ -68,7 +69,7 @@ def text(result: Result) -> str:
     if fitted:
         parts.append(_grid([_HEAD, *(row for one in fitted for row in _fitted_rows(one))]))
     parts += [_ranking(result), _efficiency(result["efficiency"]), _findings(result["series"])]
-    parts.append(run_lines({**result, "left_out": []}, 120))
+    parts.append(run_lines(result, 120))
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
@@ -103,7 +104,7 @@ def _ranking(result: Result) -> str:
         tied = {tuple(pair) for pair in entry["tied"]}
         order = entry["order"]
         text = order[0] if order else "none"
-        for faster, slower in zip(order, order[1:], strict=False):
+        for faster, slower in pairwise(order):
             text += f" {'~' if (faster, slower) in tied else '<'} {slower}"
         never = f"; never: {', '.join(entry['never'])}" if entry["never"] else ""
         lines.append(f"  {values}{entry['theta_o_deg']:.6g} deg: {text}{never}")
