@@ -1,6 +1,7 @@
 """Error curves on the device against what is known of them: laws, floors, the reference, rankings that stay."""
 
 import json
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -92,9 +93,7 @@ def test_rankings_called_distinguishable_agree_in_two_runs(study):
     scene = {"estimator": {"samples": 2**12}, "techniques": UNBIASED, "estimators": ["mc"]}
     one, two = (study(**scene)["ranking"] for _ in range(2))
     for before, after in zip(one, two, strict=True):
-        apart = [
-            pair for pair in zip(before["order"], before["order"][1:], strict=False) if list(pair) not in before["tied"]
-        ]
+        apart = [pair for pair in pairwise(before["order"]) if list(pair) not in before["tied"]]
         for faster, slower in apart:
             assert after["order"].index(faster) < after["order"].index(slower)
 
