@@ -12,7 +12,12 @@ ARG MESA=bookworm
 ARG OWN_GLSL=yes
 ENV DEBIAN_FRONTEND=noninteractive PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_NO_CACHE_DIR=1
 RUN if [ "$MESA" != bookworm ]; then \
-        echo "deb http://deb.debian.org/debian $MESA main" > /etc/apt/sources.list.d/mesa.list; fi \
+        if [ -f /etc/apt/sources.list.d/debian.sources ]; then \
+            sed -i "s/^Suites: bookworm bookworm-updates$/& $MESA/" /etc/apt/sources.list.d/debian.sources; \
+        else \
+            sed -nE "s/^(deb .*) bookworm main.*/\1 $MESA main/p" /etc/apt/sources.list > /etc/apt/sources.list.d/mesa.list; \
+        fi; \
+    fi \
     && apt-get update --quiet \
     && apt-get install --quiet --yes --no-install-recommends \
         ca-certificates glslang-tools libvulkan1 python3 python3-venv \
@@ -53,7 +58,7 @@ RUN set -eu; \
     rm -rf /image/usr/lib/python3/dist-packages /image/usr/lib/python3.11/ensurepip /image/usr/lib/python3.11/lib2to3 \
         /image/usr/lib/python3.11/idlelib /image/usr/lib/python3.11/pydoc_data /image/usr/lib/python3.11/tkinter; \
     ln -s python3.11 /image/usr/bin/python3; \
-    cp --parents /usr/share/vulkan/icd.d/lvp_icd.*.json /image; \
+    cp --parents /usr/share/vulkan/icd.d/lvp_icd*.json /image; \
     mkdir -p /image/opt; cp -a /opt/samplerscope /opt/cache /image/opt/; \
     chmod -R a+rX /image/opt/cache; \
     echo 'samplerscope:x:10001:10001::/tmp:/sbin/nologin' > /image/etc/passwd; \

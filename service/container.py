@@ -1,4 +1,4 @@
-"""Entry point of the container: caches baked into the image are laid out where they can be written, then the command runs.
+"""Entry point of the container: caches baked into the image are laid out where they can be written.
 
 The root of a container may be read-only and its cache folder an empty tmpfs; the driver ignores a cache that it cannot
 write. Copying a few megabytes at the start saves the compilation of every shader.
