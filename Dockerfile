@@ -77,9 +77,16 @@ ENV PATH=/opt/samplerscope/bin:/usr/bin \
     HOME=/tmp \
     SAMPLERSCOPE_CACHE_DIR=/tmp/cache/samplerscope \
     MESA_SHADER_CACHE_DIR=/tmp/cache/mesa \
-    SAMPLERSCOPE_WARM_CACHE=/opt/cache
+    SAMPLERSCOPE_WARM_CACHE=/opt/cache \
+    SAMPLERSCOPE_HOST=0.0.0.0 \
+    SAMPLERSCOPE_PORT=8000 \
+    SAMPLERSCOPE_DATA_DIR=/var/lib/samplerscope
 USER 10001:10001
 WORKDIR /tmp
+EXPOSE 8000
+VOLUME /var/lib/samplerscope
 STOPSIGNAL SIGTERM
+HEALTHCHECK --interval=30s --timeout=10s --start-period=15s \
+    CMD ["/opt/samplerscope/bin/python", "-m", "service.container", "healthy"]
 ENTRYPOINT ["/opt/samplerscope/bin/python", "-m", "service.container"]
-CMD ["info"]
+CMD ["serve"]

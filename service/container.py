@@ -9,16 +9,22 @@ from __future__ import annotations
 import os
 import shutil
 import sys
+import urllib.request
+from http import HTTPStatus
 from pathlib import Path
 
 CACHES = ("SAMPLERSCOPE_CACHE_DIR", "MESA_SHADER_CACHE_DIR")
 
 
 def main() -> None:
-    """Seed the caches and hand over to the command line; `warm` fills the caches, when the image is built."""
+    """Seed the caches and hand over to the command line.
+
+    Two words are the image's own: `warm` fills the caches when it is built, `healthy` is its health check.
+    """
     if sys.argv[1:] == ["warm"]:
-        warm()
-        return
+        return warm()
+    if sys.argv[1:] == ["healthy"]:
+        sys.exit(0 if healthy(int(os.environ["SAMPLERSCOPE_PORT"])) else 1)
     baked = os.environ.get("SAMPLERSCOPE_WARM_CACHE")
     if baked:
         seed(Path(baked))
@@ -52,6 +58,15 @@ def warm() -> None:
         for model in catalogue.models:
             scene = {"model": model, "theta_o_deg": [0], "estimator": {"samples": 1}, "reference": False}
             compute_statistics(resolve(parse_scene(scene), catalogue), engine)
+
+
+def healthy(port: int) -> bool:
+    """Whether the service on this port of the loopback interface says that it is ready."""
+    try:
+        with urllib.request.urlopen(f"http://127.0.0.1:{port}/readyz", timeout=8) as reply:
+            return bool(reply.status == HTTPStatus.OK)
+    except OSError:
+        return False
 
 
 if __name__ == "__main__":
