@@ -20,7 +20,7 @@ RUN if [ "$MESA" != bookworm ]; then \
     fi \
     && apt-get update --quiet \
     && apt-get install --quiet --yes --no-install-recommends \
-        ca-certificates glslang-tools libvulkan1 python3 python3-venv \
+        binutils ca-certificates glslang-tools libvulkan1 python3 python3-venv \
     && apt-get install --quiet --yes --no-install-recommends --target-release "$MESA" mesa-vulkan-drivers \
     && rm -rf /var/lib/apt/lists/*
 
@@ -38,7 +38,8 @@ RUN --mount=type=secret,id=pipconf,target=/etc/pip.conf,required=false \
     --mount=type=secret,id=ca,target=/run/build-ca.crt,required=false \
     /opt/samplerscope/bin/pip install --quiet --no-deps . \
     && /opt/samplerscope/bin/pip uninstall --quiet --yes pip setuptools \
-    && find /opt/samplerscope -depth -type d -name tests -path '*/numpy/*' -exec rm -rf {} +
+    && find /opt/samplerscope -depth -type d -name tests -path '*/numpy/*' -exec rm -rf {} + \
+    && find /opt/samplerscope -name '*.so' -exec strip --strip-unneeded {} +
 
 # Compiles every shader of the catalogue once, so that a container starts with warm caches.
 ENV SAMPLERSCOPE_CACHE_DIR=/opt/cache/samplerscope MESA_SHADER_CACHE_DIR=/opt/cache/mesa

@@ -38,9 +38,9 @@ def engine(*arguments, check=True, timeout=120):
     return done.stdout
 
 
-def command(*arguments):
+def command(*arguments, options=()):
     """Run the image once, as a command; its standard output."""
-    return engine("run", "--rm", *HARDENING, *LIMITS, IMAGE, *arguments)
+    return engine("run", "--rm", *HARDENING, *LIMITS, *options, IMAGE, *arguments)
 
 
 @dataclass
@@ -71,8 +71,17 @@ class Service:
         assert status < 300, content
         return json.loads(content)
 
-    def memory_mb(self):
-        """Memory of the container's control group in MB."""
+    def settled(self, path):
+        """(headers, body) of a reply, once a job that it may have become is done."""
+        while True:
+            status, headers, content = self.request(path)
+            if status == 200:
+                return headers, content
+            assert status == 202, content
+            time.sleep(0.2)
+
+    def memory(self):
+        """Memory of the container's control group, in words."""
         text = engine("stats", "--no-stream", "--format", "{{.MemUsage}}", self.name)
         return text.split("/")[0].strip()
 
