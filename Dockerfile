@@ -39,7 +39,7 @@ RUN --mount=type=secret,id=pipconf,target=/etc/pip.conf,required=false \
     /opt/samplerscope/bin/pip install --quiet --no-deps . \
     && /opt/samplerscope/bin/pip uninstall --quiet --yes pip setuptools \
     && find /opt/samplerscope -depth -type d -name tests -path '*/numpy/*' -exec rm -rf {} + \
-    && find /opt/samplerscope -name '*.so' -exec strip --strip-unneeded {} +
+    && strip --strip-unneeded /opt/samplerscope/lib/python3.11/site-packages/uvloop/*.so
 
 # Compiles every shader of the catalogue once, so that a container starts with warm caches.
 ENV SAMPLERSCOPE_CACHE_DIR=/opt/cache/samplerscope MESA_SHADER_CACHE_DIR=/opt/cache/mesa
