@@ -23,7 +23,8 @@ stats: setup  ## the main job: six techniques of EON over 64 angles; table here,
 	$(BIN)/samplerscope figure eon-11 -o $(OUT)/eon-11.png -o $(OUT)/eon-11.svg -o $(OUT)/eon-11.json
 
 figures: setup  ## every figure of the papers, as PNG, SVG, Vega-Lite and JSON in out/
-	for name in eon-11 eon-13; do \
+	$(BIN)/samplerscope figure eon-table-1 -o $(OUT)/eon-table-1.txt -o $(OUT)/eon-table-1.json
+	for name in eon-11 eon-13 eon-convergence; do \
 	    $(BIN)/samplerscope figure $$name -o $(OUT)/$$name.png -o $(OUT)/$$name.svg \
 	        -o $(OUT)/$$name.vl.json -o $(OUT)/$$name.json || exit; \
 	done
