@@ -12,10 +12,15 @@ ARG MESA=bookworm
 ARG OWN_GLSL=yes
 ENV DEBIAN_FRONTEND=noninteractive PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_NO_CACHE_DIR=1
 RUN if [ "$MESA" != bookworm ]; then \
-        echo "deb http://deb.debian.org/debian $MESA main" > /etc/apt/sources.list.d/mesa.list; fi \
+        if [ -f /etc/apt/sources.list.d/debian.sources ]; then \
+            sed -i "s/^Suites: bookworm bookworm-updates$/& $MESA/" /etc/apt/sources.list.d/debian.sources; \
+        else \
+            sed -nE "s/^(deb .*) bookworm main.*/\1 $MESA main/p" /etc/apt/sources.list > /etc/apt/sources.list.d/mesa.list; \
+        fi; \
+    fi \
     && apt-get update --quiet \
     && apt-get install --quiet --yes --no-install-recommends \
-        ca-certificates glslang-tools libvulkan1 python3 python3-venv \
+        binutils ca-certificates glslang-tools libvulkan1 python3 python3-venv \
     && apt-get install --quiet --yes --no-install-recommends --target-release "$MESA" mesa-vulkan-drivers \
     && rm -rf /var/lib/apt/lists/*
 
@@ -33,7 +38,8 @@ RUN --mount=type=secret,id=pipconf,target=/etc/pip.conf,required=false \
     --mount=type=secret,id=ca,target=/run/build-ca.crt,required=false \
     /opt/samplerscope/bin/pip install --quiet --no-deps . \
     && /opt/samplerscope/bin/pip uninstall --quiet --yes pip setuptools \
-    && find /opt/samplerscope -depth -type d -name tests -path '*/numpy/*' -exec rm -rf {} +
+    && find /opt/samplerscope -depth -type d -name tests -path '*/numpy/*' -exec rm -rf {} + \
+    && strip --strip-unneeded /opt/samplerscope/lib/python3.11/site-packages/uvloop/*.so
 
 # Compiles every shader of the catalogue once, so that a container starts with warm caches.
 ENV SAMPLERSCOPE_CACHE_DIR=/opt/cache/samplerscope MESA_SHADER_CACHE_DIR=/opt/cache/mesa
@@ -53,7 +59,7 @@ RUN set -eu; \
     rm -rf /image/usr/lib/python3/dist-packages /image/usr/lib/python3.11/ensurepip /image/usr/lib/python3.11/lib2to3 \
         /image/usr/lib/python3.11/idlelib /image/usr/lib/python3.11/pydoc_data /image/usr/lib/python3.11/tkinter; \
     ln -s python3.11 /image/usr/bin/python3; \
-    cp --parents /usr/share/vulkan/icd.d/lvp_icd.*.json /image; \
+    cp --parents /usr/share/vulkan/icd.d/lvp_icd*.json /image; \
     mkdir -p /image/opt; cp -a /opt/samplerscope /opt/cache /image/opt/; \
     chmod -R a+rX /image/opt/cache; \
     echo 'samplerscope:x:10001:10001::/tmp:/sbin/nologin' > /image/etc/passwd; \
@@ -72,9 +78,16 @@ ENV PATH=/opt/samplerscope/bin:/usr/bin \
     HOME=/tmp \
     SAMPLERSCOPE_CACHE_DIR=/tmp/cache/samplerscope \
     MESA_SHADER_CACHE_DIR=/tmp/cache/mesa \
-    SAMPLERSCOPE_WARM_CACHE=/opt/cache
+    SAMPLERSCOPE_WARM_CACHE=/opt/cache \
+    SAMPLERSCOPE_HOST=0.0.0.0 \
+    SAMPLERSCOPE_PORT=8000 \
+    SAMPLERSCOPE_DATA_DIR=/var/lib/samplerscope
 USER 10001:10001
 WORKDIR /tmp
+EXPOSE 8000
+VOLUME /var/lib/samplerscope
 STOPSIGNAL SIGTERM
+HEALTHCHECK --interval=30s --timeout=10s --start-period=15s \
+    CMD ["/opt/samplerscope/bin/python", "-m", "service.container", "healthy"]
 ENTRYPOINT ["/opt/samplerscope/bin/python", "-m", "service.container"]
-CMD ["info"]
+CMD ["serve"]

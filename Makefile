@@ -5,7 +5,7 @@ OUT := out
 COMPILE := $(BIN)/uv pip compile --quiet --upgrade --generate-hashes --python-version 3.11 --custom-compile-command 'make lock'
 
 .DEFAULT_GOAL := help
-.PHONY: help setup stats figures test lint bench lock clean
+.PHONY: help setup stats figures test lint container container-test lock clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 12
@@ -39,6 +39,12 @@ lint: setup  ## style and types
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+container:  ## build the image, with docker or else with buildah
+	.ci/container
+
+container-test: setup container  ## drive the image from outside, hardened as in production
+	$(BIN)/pytest tests/container -s
 
 lock: setup  ## resolve the dependencies anew: requirements.lock to run, requirements-dev.lock to test
 	$(BIN)/pip install --quiet 'uv>=0.8,<1'
