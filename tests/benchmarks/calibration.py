@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from service.engine import Engine
 from service.scene import parse_scene, resolve
 from service.statistics import compute_statistics
 
@@ -12,9 +13,7 @@ ANGLES = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 80.0, 85.0, 87.0, 88.0, 89.0]
 NORMAL_95 = 1.959964
 
 
-def coverage(
-    engine, seeds: int, samples: int, method: str = "mc", quantile: float = NORMAL_95
-) -> dict[str, np.ndarray]:
+def coverage(engine: Engine, seeds: int, samples: int) -> dict[str, np.ndarray]:
     """Share of seeds whose interval holds the reference, for every cell: technique x roughness x angle."""
     held: dict[str, list[np.ndarray]] = {"mean": [], "variance": []}
     for seed in range(seeds):
@@ -24,17 +23,17 @@ def coverage(
             "parameters": {"roughness": ROUGHNESS},
             "theta_o_deg": ANGLES,
             "statistics": ["mean", "variance"],
-            "estimator": {"method": method, "samples": samples, "seed": 1000 + seed},
+            "estimator": {"method": "mc", "samples": samples, "seed": 1000 + seed},
         }
         series = compute_statistics(resolve(parse_scene(scene), engine.catalogue), engine)["series"]
         for name in held:
             value, error = (np.array([one[key] for one in series], float) for key in (name, f"{name}_stderr"))
             truth = np.array([one["reference"][name] for one in series], float)
-            held[name].append(np.abs(value - truth) <= quantile * error)
+            held[name].append(np.abs(value - truth) <= NORMAL_95 * error)
     return {name: np.mean(rows, axis=0) for name, rows in held.items()}
 
 
-def calibrate(engine, seeds: int, samples: int = 1_000_000) -> dict[str, float]:
+def calibrate(engine: Engine, seeds: int, samples: int = 1_000_000) -> dict[str, float]:
     """Print and return the share of intervals that hold the reference, over all cells and seeds, up to 89 degrees."""
     found = coverage(engine, seeds, samples)
     shares = {name: float(np.mean(cells)) for name, cells in found.items()}

@@ -31,7 +31,7 @@ from service.estimators.quadrature import quadrature
 from service.estimators.sampled import open_sampler
 from service.moments import from_power_sums
 from service.reference_store import series_reference
-from service.scene import parse_scene, radians, resolve
+from service.scene import Question, SeriesPlan, parse_scene, radians, resolve
 from service.statistics import series_cells
 
 TECHNIQUES = ("cosine", "uniform", "ltc-nonnegative", "ltc", "cltc", "cltc-mis")
@@ -105,7 +105,7 @@ def started(peer: Peer) -> Iterator[Program]:
         program.process.wait(timeout=30)
 
 
-def rates(engine, question, samples: int, rounds: int) -> dict:
+def rates(engine: Engine, question: Question, samples: int, rounds: int) -> dict:
     """Samples a second of every program and technique, and our rate over each peer's, round by round."""
     angles = [radians(angle) for angle in question.scene.angles_deg]
     seconds: dict[str, dict[str, list[float]]] = {OURS: {name: [] for name in TECHNIQUES}}
@@ -137,7 +137,7 @@ def rates(engine, question, samples: int, rounds: int) -> dict:
     return table(seconds, samples)
 
 
-def check(engine, question, plan, powers: np.ndarray, samples: int) -> None:
+def check(engine: Engine, question: Question, plan: SeriesPlan, powers: np.ndarray, samples: int) -> None:
     """Refuse a peer whose mean or variance is more than 6 of the reference's standard errors off at any angle.
 
     Variances are compared where the kurtosis is below 1000: beyond, so few samples know nothing of them.
@@ -176,7 +176,7 @@ def table(seconds: dict[str, dict[str, list[float]]], samples: int) -> dict:
     return report
 
 
-def time_to_error(engine, question, measured: dict) -> dict:
+def time_to_error(engine: Engine, question: Question, measured: dict) -> dict:
     """Seconds until the variance of all angles is known to ERROR: by sampling, each angle as long as it needs, at the
     rates above, and by the quadrature, which is run."""
     report: dict[str, dict] = {}

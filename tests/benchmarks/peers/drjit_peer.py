@@ -1,5 +1,7 @@
-"""EON statistics in Dr.Jit's LLVM backend: one recorded loop over many lanes, in which each lane draws its own samples;
-far faster than arrays of all samples, because nothing but the sums leaves the registers. Kernels are cached by shape."""
+"""EON statistics in Dr.Jit's LLVM backend: one recorded loop over many lanes, each of which draws its own samples.
+
+Far faster than arrays of all samples, because nothing but the sums leaves the registers. Kernels are cached by shape.
+"""
 
 import drjit as dr
 import numpy as np
@@ -27,6 +29,7 @@ def weight(v, technique, u1, u2):
         x, z, over = dr.sqrt((1 - u1) * (1 + u1)) * cosine, u1, 2 * np.pi * u1
     else:
         x, z, over = lobe(v, technique, u1, cosine, sine)
+    z = dr.minimum(z, 1)
     s = x * v.sine
     ratio = dr.select(s > 0, s / dr.maximum(z, v.mu), s)
     return (dr.inv_pi * v.amplitude * (1 + v.roughness * ratio) + v.multiple * deficit(z)) * over

@@ -104,6 +104,7 @@ static inline float weight(const View& v, float r, float u1, float u2) {
             z = z > 0.f ? z : 0.f;
         }
     }
+    z = z < 1.f ? z : 1.f;  // above 1 by a rounding, where fast square roots are inexact
     float s = x * v.sine, top = z > v.mu ? z : v.mu;
     float single = INV_PI * v.amplitude * (1.f + r * (s > 0.f ? s / top : s));
     return (single + v.multiple * deficit(z)) * over_pdf;

@@ -84,6 +84,7 @@ def weight(v, technique, u1, u2):
             pdf = INV_PI * hz / area * squared / (inverse * det)
             z = max(z, ZERO)
             over = z / pdf if pdf > F(1e-30) else ZERO
+    z = min(z, ONE)
     s = x * sine
     ratio = s / max(z, mu) if s > ZERO else s
     return (INV_PI * amplitude * (ONE + r * ratio) + multiple * deficit(z)) * over

@@ -32,6 +32,7 @@ def weights(v, technique, u1, u2):
         over_pdf = PI if technique == "cosine" else 2 * PI * z
     else:
         x, z, over_pdf = lobe(v, technique, u1, phi)
+    z = np.minimum(z, F(1))
     s = x * v.sine
     ratio = np.where(s > 0, s / np.maximum(z, v.mu), s)
     return (F(1 / np.pi) * v.amplitude * (1 + v.roughness * ratio) + v.multiple * deficit(z)) * over_pdf
