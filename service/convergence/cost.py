@@ -27,9 +27,9 @@ _TASKS: Mapping[Task, int] = {"empty": 0, "eval": 1, "sample": 2, "pdf": 3}
 
 LANES = 64
 GROUPS = 16
-CALLS = 512
-"""Calls of each lane: half a million in a dispatch, some milliseconds, and far below the driver's limit of a loop."""
-REPEATS = 31
+CALLS = 128
+"""Calls of each lane: 131,072 in a dispatch, about a millisecond. Other programs seldom interrupt so short a one."""
+REPEATS = 101
 SPLINTER = 0.05  # ns; no interval of a cost goes below it, where timing noise would make it negative
 
 

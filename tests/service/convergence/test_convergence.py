@@ -72,7 +72,7 @@ def test_a_biased_technique_shows_its_floor_and_is_named(result):
     assert 0.001 < floor.min() < floor.max() < 0.01
     assert [f["name"] for f in one["verdict"]["findings"]] == ["infinite-variance", "biased"]
     assert pick(result, "ltc", "mc")["slope"] == [None] * 4
-    assert all(entry["never"] == ["ltc"] for entry in result["ranking"])
+    assert all(entry["unranked"] == ["ltc"] for entry in result["ranking"])
 
 
 def test_the_quadrature_is_far_more_accurate_for_its_time_than_mc(result):
