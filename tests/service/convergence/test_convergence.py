@@ -1,6 +1,9 @@
 """Error curves on the device against what is known of them: laws, floors, the reference, rankings that stay."""
 
+import io
 import json
+import subprocess
+import sys
 from itertools import pairwise
 
 import numpy as np
@@ -8,6 +11,7 @@ import pytest
 
 from service.convergence import compute_convergence, parse_convergence_scene
 from service.errors import BadInput
+from service.formats import encode
 from service.scene import parse_scene, resolve
 
 UNBIASED = ["cosine", "uniform", "ltc-nonnegative", "cltc-mis"]
@@ -138,3 +142,49 @@ def test_a_parsed_scene_parses_again_to_itself():
     assert scene.estimators == ["qmc"]
     assert scene.counts[-1] == 2**20
     assert parse_convergence_scene(scene.model_dump(mode="json")) == scene
+
+
+def test_every_format_has_the_whole_study(result):
+    points = sum(len(one["samples"]) * len(one["theta_o_deg"]) for one in result["series"])
+    lines = encode(result, "csv").decode().splitlines()
+    assert len(lines) == points + 1
+    assert lines[0].startswith("model,technique,estimator,roughness,albedo,theta_o_deg,samples,time_ms")
+    archive = np.load(io.BytesIO(encode(result, "npz")))
+    assert archive["relative_rmse"].shape == (points,)
+    text = encode(result, "table").decode()
+    assert "first to the target" in text
+    assert "infinite-variance" in text
+    assert max(map(len, text.splitlines())) < 250
+
+
+def test_the_chart_draws_every_technique_angle_and_estimator(result):
+    spec = json.loads(encode(result, "vega"))
+    by_time, by_count, of_mean, of_variance = (row["hconcat"] for row in spec["vconcat"])
+    assert len(by_time) == len(by_count) == 4
+    assert len(of_mean) == len(of_variance) == len(UNBIASED)
+    drawn = json.dumps(spec)
+    assert all(name in drawn for name in (*UNBIASED, "ltc (infinite variance)", "scrambled Sobol'", "quadrature"))
+    assert encode(result, "png")[:4] == b"\x89PNG"
+
+
+def test_the_command_prints_and_writes(tmp_path):
+    target = tmp_path / "study.json"
+    command = [
+        sys.executable,
+        "-c",
+        "from service.cli import main; main()",
+        "converge",
+        "--technique",
+        "cosine,uniform",
+    ]
+    small = ["--theta-o-deg", "30", "--samples", "1024", "--method", "mc,quadrature", "--target-error", "0.02"]
+    done = subprocess.run([*command, *small, "-o", str(target)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "first to the target" in done.stdout
+    written = json.loads(target.read_text())
+    assert written["kind"] == "convergence"
+    assert written["target_error"] == 0.02
+    assert {one["estimator"] for one in written["series"]} == {"mc", "quadrature"}
+    wrong = subprocess.run([*command, "--target-error", "2"], capture_output=True, text=True, check=False)
+    assert wrong.returncode == 2
+    assert wrong.stderr.strip() == "samplerscope: target_error = 2.0: allowed is a number above 0 and below 1"
