@@ -66,6 +66,14 @@ class CellSums:
 
 
 @dataclass(frozen=True)
+class Checkpoint:
+    """A run after its first `launches` launches: what they found. A run that starts from it ends with the same bits."""
+
+    launches: int
+    sums: CellSums
+
+
+@dataclass(frozen=True)
 class _Launch:
     first_cell: int
     cells: int
@@ -109,21 +117,49 @@ class Sampler:
         """Draw once, so that the driver compiles before anything is timed."""
         self._submit(_Launch(0, 1, 0, 1), 1, self._outputs[0]).wait(TIMEOUT_S)
 
-    def run(self, samples: int, progress: Callable[[int], None] = lambda done: None) -> CellSums:
-        """Draw `samples` samples for every cell. `progress` is called with the number just finished."""
-        total = _empty_sums(self._count)
-        total.shift[:] = self._pilot(min(samples, PILOT_SAMPLES))
+    def run(
+        self,
+        samples: int,
+        progress: Callable[[int], None] = lambda done: None,
+        start: Checkpoint | None = None,
+        save: Callable[[Checkpoint], None] = lambda checkpoint: None,
+    ) -> CellSums:
+        """Draw `samples` samples for every cell. `progress` is called with the number just finished.
+
+        `save` is called after every launch, with sums that change when it has returned; either callback may raise, which
+        ends the run. A run with `start` does what is left after that checkpoint.
+        """
+        total = self._begin(samples) if start is None else start.sums
         self._cells.array["shift"] = total.shift
+        launches = list(_launches(self._count, samples))
+        added = 0 if start is None else start.launches
         pending: deque[tuple[_Launch, Submission, tuple[Buffer, Buffer]]] = deque()
-        for number, launch in enumerate(_launches(self._count, samples)):
-            if len(pending) == LAUNCHES_IN_FLIGHT:
-                progress(_add(total, *pending.popleft()))
-            outputs = self._outputs[number % LAUNCHES_IN_FLIGHT]
-            pending.append((launch, self._submit(launch, samples, outputs), outputs))
-        while pending:
-            progress(_add(total, *pending.popleft()))
+
+        def add_first() -> None:
+            nonlocal added
+            drawn = _add(total, *pending.popleft())
+            added += 1
+            save(Checkpoint(added, total))
+            progress(drawn)
+
+        try:
+            for number in range(added, len(launches)):
+                if len(pending) == LAUNCHES_IN_FLIGHT:
+                    add_first()
+                outputs = self._outputs[number % LAUNCHES_IN_FLIGHT]
+                pending.append((launches[number], self._submit(launches[number], samples, outputs), outputs))
+            while pending:
+                add_first()
+        finally:
+            for _, submission, _ in pending:
+                submission.close()
         if np.any(total.drawn != samples):
             raise IncompleteRun(f"the driver ended a loop after {total.drawn.min()} of {samples} samples")
+        return total
+
+    def _begin(self, samples: int) -> CellSums:
+        total = _empty_sums(self._count)
+        total.shift[:] = self._pilot(min(samples, PILOT_SAMPLES))
         return total
 
     def _pilot(self, samples: int) -> NDArray[np.float64]:

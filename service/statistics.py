@@ -5,26 +5,44 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
-from typing import Any
+from functools import partial
+from typing import Any, Protocol
 
 import numpy as np
 
+from service.axes import axes
 from service.engine import Engine
 from service.moments import Statistics, from_power_sums
 from service.random_numbers import cell_key, random_pairs
 from service.reference import CellReference
 from service.reference_store import series_reference
-from service.sampling import Cells, CellSums, Sampler
+from service.sampling import Cells, CellSums, Checkpoint, Sampler
 from service.scene import Question, Scene, SeriesPlan, radians
 from service.verdict import Evidence, finite_or_none, verdict
+
+REFERENCE_ANGLES = 64
+"""Cells whose reference is computed at a time: tenths of a second, so that an interruption is prompt."""
 
 Progress = Callable[[str, int, int], None]
 """Called with what is being done, how many samples are done, and how many there will be."""
 
 
-def compute_statistics(question: Question, engine: Engine, progress: Progress = lambda *_: None) -> dict[str, Any]:
+class Journal(Protocol):
+    """Where a run that may be interrupted keeps how far each of its series is, by the number of the series."""
+
+    def load(self, series: int) -> Checkpoint | None:
+        """The last checkpoint of a series, or None where it has not begun."""
+
+    def save(self, series: int, checkpoint: Checkpoint) -> None:
+        """Keep a checkpoint; its sums change when this has returned. May raise, which ends the run."""
+
+
+def compute_statistics(
+    question: Question, engine: Engine, progress: Progress = lambda *_: None, journal: Journal | None = None
+) -> dict[str, Any]:
     """Answer a question: the result of kind `statistics`, as plain data ready for JSON.
 
+    With a `journal` the run goes on from what it holds, and ends with the same bits as one that was never interrupted.
     Raises BadInput for parameters out of range, lavapipe.CompileError for a shader that does not compile, and the other
     errors of lavapipe for the device.
     """
@@ -34,7 +52,7 @@ def compute_statistics(question: Question, engine: Engine, progress: Progress = 
     done = 0
     compile_ms = 0.0
     series = []
-    for plan in question.series:
+    for number, plan in enumerate(question.series):
         name = plan.technique.name
 
         def advance(samples: int, name: str = name) -> None:
@@ -42,14 +60,18 @@ def compute_statistics(question: Question, engine: Engine, progress: Progress = 
             done += samples
             progress(name, done, total)
 
-        progress(name, done, total)
-        sums, built_ms = _draw(plan, scene, engine, advance)
+        start = journal.load(number) if journal else None
+        save = partial(journal.save, number) if journal else _forget
+        advance(0 if start is None else int(start.sums.drawn.sum()))
+        sums, built_ms = _draw(plan, scene, engine, advance, start, save)
         compile_ms += built_ms
-        series.append(_series(plan, scene, sums, engine))
+        reference = _reference(plan, scene, engine, partial(advance, 0))
+        series.append(_series(plan, scene, sums, reference))
     info = engine.device.info
     return {
         "kind": "statistics",
         "scene": scene.model_dump(mode="json"),
+        "axes": axes(series),
         "series": series,
         "left_out": left_out(scene),
         "run": {
@@ -97,7 +119,18 @@ def series_cells(plan: SeriesPlan, scene: Scene) -> Cells:
     return Cells(wo, keys, np.repeat(row, len(angles), axis=0))
 
 
-def _draw(plan: SeriesPlan, scene: Scene, engine: Engine, advance: Callable[[int], None]) -> tuple[CellSums, float]:
+def _forget(checkpoint: Checkpoint) -> None:
+    pass
+
+
+def _draw(
+    plan: SeriesPlan,
+    scene: Scene,
+    engine: Engine,
+    advance: Callable[[int], None],
+    start: Checkpoint | None,
+    save: Callable[[Checkpoint], None],
+) -> tuple[CellSums, float]:
     """The sums of one series, and the milliseconds that building its pipeline took."""
     specialization = {0: moments_needed(scene), 1: "max_weight" in scene.statistics}
     begin = time.perf_counter()
@@ -105,14 +138,51 @@ def _draw(plan: SeriesPlan, scene: Scene, engine: Engine, advance: Callable[[int
     with Sampler(engine.device, pipeline, series_cells(plan, scene)) as sampler:
         sampler.warm_up()
         built_ms = 1e3 * (time.perf_counter() - begin)
-        return sampler.run(scene.estimator.samples, advance), built_ms
+        return sampler.run(scene.estimator.samples, advance, start, save), built_ms
 
 
-def _series(plan: SeriesPlan, scene: Scene, sums: CellSums, engine: Engine) -> dict[str, Any]:
+def partial_series(plan: SeriesPlan, scene: Scene, sums: CellSums) -> dict[str, Any]:
+    """What the sums of an unfinished run give, as a series that plots: its samples differ from angle to angle, and an
+    angle without any is null.
+    """
+    moments = moments_needed(scene)
+    entry: dict[str, Any] = {
+        "model": plan.model.name,
+        "technique": plan.technique.name,
+        "parameters": dict(plan.parameters),
+        "theta_o_deg": list(scene.angles_deg),
+        "samples": sums.drawn.tolist(),
+    }
+    if moments:
+        entry |= _moment_columns(scene, from_power_sums(sums.counted, sums.shift, sums.powers, moments), None)
+    if "max_weight" in scene.statistics:
+        entry["max_weight"] = finite_or_none(sums.largest)
+    return entry
+
+
+def _reference(
+    plan: SeriesPlan, scene: Scene, engine: Engine, pause: Callable[[], None]
+) -> list[CellReference] | None:
+    """The reference of every angle, None where there is none or it was not asked for. `pause` is called time and again:
+    a reference takes milliseconds a cell the first time.
+    """
+    if not scene.reference:
+        return None
+    cells: list[CellReference] = []
+    for first in range(0, len(scene.angles_deg), REFERENCE_ANGLES):
+        pause()
+        angles = scene.angles_deg[first : first + REFERENCE_ANGLES]
+        found = series_reference(plan.model.name, plan.technique.name, plan.parameters, angles, engine.cache)
+        if found is None:
+            return None
+        cells += found
+    return cells
+
+
+def _series(
+    plan: SeriesPlan, scene: Scene, sums: CellSums, cells: Sequence[CellReference] | None
+) -> dict[str, Any]:
     angles = scene.angles_deg
-    cells = None
-    if scene.reference:
-        cells = series_reference(plan.model.name, plan.technique.name, plan.parameters, angles, engine.cache)
     moments = moments_needed(scene)
     statistics = from_power_sums(sums.counted, sums.shift, sums.powers, moments) if moments else None
     entry: dict[str, Any] = {

@@ -1,0 +1,152 @@
+"""What a worker does: answer a question, encode a stored result, prove that the device computes right."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from service import formats
+from service.engine import Engine
+from service.sampling import Checkpoint
+from service.scene import Question, parse_scene, resolve
+from service.statistics import compute_statistics, partial_series
+from service.worker import checkpoints
+from service.worker.kinds import KINDS
+from service.worker.protocol import Message
+
+PARTIAL_EVERY_S = 0.1
+"""Partial statistics are sent no more often than this, and always at the end of a series."""
+
+Answer = tuple[dict[str, Any], tuple[bytes, ...]]
+
+
+class Stopped(BaseException):
+    """The server asked for the end of a task. Not an Exception: no handler on the way may swallow it."""
+
+
+@dataclass
+class Toil:
+    """A task being done: what was asked, the engine, a way to speak, and the numbers of the tasks to stop."""
+
+    task: Message
+    engine: Engine | None
+    say: Callable[[str, tuple[bytes, ...], dict[str, Any]], None]
+    stops: set[int] = field(default_factory=set)
+
+    def check_stop(self) -> None:
+        """Raise Stopped where this task is to end."""
+        if self.task.head["id"] in self.stops:
+            raise Stopped
+
+
+def do_task(toil: Toil) -> Answer:
+    """Do a task; what it returns is the message that says so. Raises Stopped, and whatever the work raises."""
+    return {"answer": _answer, "encode": _encode, "probe": _probe}[toil.task.head["do"]](toil)
+
+
+def _answer(toil: Toil) -> Answer:
+    """Compute the result of a scene, as JSON."""
+    head = toil.task.head
+    assert toil.engine is not None
+    kind = KINDS[head["kind"]]
+    question = resolve(parse_scene(head["scene"]), toil.engine.catalogue)
+    journal = _Journal(toil, question)
+
+    def progress(name: str, done: int, total: int) -> None:
+        toil.check_stop()
+        journal.progress(name, done, total)
+
+    more = {"journal": journal} if kind.resumable else {}
+    begin = time.perf_counter()
+    result = kind.load()(question, toil.engine, progress, **more)
+    computed = time.perf_counter()
+    content = formats.encode(result, "json")
+    run = result.get("run", {})
+    timings = {
+        "compile": run.get("compile_ms", 0.0),
+        "device": run.get("device_ms", 0.0),
+        "compute": 1e3 * (computed - begin),
+        "encode": 1e3 * (time.perf_counter() - computed),
+    }
+    return {"timings": timings, "costs": _costs(result)}, (content,)
+
+
+def _costs(result: dict[str, Any]) -> list[list[Any]]:
+    """What the series of statistics cost: model, technique, samples drawn in all, milliseconds on the device."""
+    if result["kind"] != "statistics":
+        return []
+    return [
+        [one["model"], one["technique"], _total(one["samples"], len(one["theta_o_deg"])), one["device_ms"]]
+        for one in result["series"]
+    ]
+
+
+def _total(samples: Any, angles: int) -> int:
+    return sum(samples) if isinstance(samples, list) else samples * angles
+
+
+class _Journal:
+    """Sends every checkpoint to the server, which keeps it, and starts from those that came with the task."""
+
+    def __init__(self, toil: Toil, question: Question) -> None:
+        self._toil = toil
+        self._question = question
+        self._known = dict(zip(toil.task.head.get("series", []), toil.task.blobs, strict=True))
+        self._shown = 0.0
+
+    def load(self, series: int) -> Checkpoint | None:
+        return checkpoints.unpack(self._known[series]) if series in self._known else None
+
+    def save(self, series: int, checkpoint: Checkpoint) -> None:
+        head: dict[str, Any] = {"series": series}
+        now = time.monotonic()
+        complete = int(checkpoint.sums.drawn.min()) == self._question.scene.estimator.samples
+        if self._toil.task.head.get("partial") and (complete or now - self._shown >= PARTIAL_EVERY_S):
+            self._shown = now
+            head["partial"] = partial_series(self._question.series[series], self._question.scene, checkpoint.sums)
+        self._toil.say("checkpoint", (checkpoints.pack(checkpoint),), head)
+
+    def progress(self, name: str, done: int, total: int) -> None:
+        self._toil.say("progress", (), {"technique": name, "done": done, "total": total})
+
+
+def _encode(toil: Toil) -> Answer:
+    """A stored JSON result in another format."""
+    head = toil.task.head
+    begin = time.perf_counter()
+    chart = head.get("chart")
+
+    def draw(result: Any) -> Any:
+        from service import figures
+
+        return getattr(figures, f"{chart}_chart")(result)
+
+    content = formats.encode(json.loads(toil.task.blobs[0]), head["format"], draw if chart else None)
+    return {"timings": {"encode": 1e3 * (time.perf_counter() - begin)}}, (content,)
+
+
+def _probe(toil: Toil) -> Answer:
+    """One dispatch whose result is known: the cosine technique weighs exactly 1 on a white Lambertian surface."""
+    assert toil.engine is not None
+    scene = parse_scene(
+        {
+            "model": "lambert",
+            "techniques": ["cosine"],
+            "theta_o_deg": [45.0],
+            "estimator": {"samples": 1024},
+            "reference": False,
+        }
+    )
+    begin = time.perf_counter()
+    (series,) = compute_statistics(resolve(scene, toil.engine.catalogue), toil.engine)["series"]
+    found = {name: series[name][0] for name in ("mean", "variance", "max_weight", "nonfinite")}
+    known = {"mean": 1.0, "variance": 0.0, "max_weight": 1.0, "nonfinite": 0}
+    return {
+        "right": found == known,
+        "found": found,
+        "known": known,
+        "timings": {"device": series["device_ms"], "probe": 1e3 * (time.perf_counter() - begin)},
+    }, ()
