@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Collection
+import math
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from starlette.datastructures import QueryParams
@@ -12,10 +13,13 @@ from starlette.requests import Request
 from service.api.problems import HttpError
 from service.catalogue import Catalogue
 from service.errors import BadInput, Problem
-from service.scene import Estimator, Scene, parse_scene
+from service.formats import FORMATS
+from service.scene import Estimator, Scene, parse_scene, resolve
 
 _LISTS = frozenset({"techniques", "statistics", "theta_o_deg", "phi_o_deg"})
 _NOT_IN_QUERY = frozenset({"parameters", "estimator"})
+_IN_CATALOGUE = ("model", "techniques", "parameters", "zip")
+_QUICK_SERIES = 1000
 
 
 def parameter_names(catalogue: Catalogue) -> list[str]:
@@ -24,7 +28,7 @@ def parameter_names(catalogue: Catalogue) -> list[str]:
     return list(dict.fromkeys(name for entry in entries for name in entry.head.parameters))
 
 
-def scene_of_query(query: QueryParams, parameters: Collection[str]) -> Scene:
+def scene_of_query(query: QueryParams, catalogue: Catalogue, parameters: Collection[str]) -> Scene:
     """The scene of a query string; every field is named as in a scene, a parameter by its own name.
 
     Raises BadInput with all that is wrong.
@@ -40,10 +44,11 @@ def scene_of_query(query: QueryParams, parameters: Collection[str]) -> Scene:
             data[name] = [value.split(",") for value in values]
         elif name in _LISTS & Scene.model_fields.keys():
             data[name] = split
-        elif name == "format":
-            pass
         elif len(values) > 1:
             problems.append(Problem(name, ", ".join(values), "given once"))
+        elif name == "format":
+            if values[0] not in FORMATS:
+                problems.append(Problem(name, values[0], "one of " + ", ".join(FORMATS)))
         elif name == "angles":
             data["theta_o_deg"] = {"count": values[0]}
         elif name in Estimator.model_fields:
@@ -54,13 +59,42 @@ def scene_of_query(query: QueryParams, parameters: Collection[str]) -> Scene:
             problems.append(Problem(name, ", ".join(values), "no field of this name"))
     if "angles" in query and "theta_o_deg" in query:
         problems.append(Problem("angles", query["angles"], "either angles or theta_o_deg, not both"))
+    return _checked(data, catalogue, problems)
+
+
+async def scene_of_body(request: Request, catalogue: Catalogue) -> Scene:
+    """The scene of a JSON body; raises as `json_of_body` does, and BadInput with all that is wrong."""
+    return scene_of(await json_of_body(request), catalogue)
+
+
+def scene_of(data: Any, catalogue: Catalogue) -> Scene:
+    """The scene of plain data. Raises BadInput with all that is wrong."""
+    return _checked(data, catalogue, [])
+
+
+def _checked(data: Any, catalogue: Catalogue, problems: list[Problem]) -> Scene:
     try:
         scene = parse_scene(data)
     except BadInput as error:
         problems.extend(error.problems)
     if problems:
-        raise BadInput(problems)
+        raise BadInput([*problems, *_beside(data, catalogue, problems)])
     return scene
+
+
+def _beside(data: Any, catalogue: Catalogue, known: Collection[Problem]) -> list[Problem]:
+    """What the catalogue finds wrong in the fields of a wrong scene that are right in form."""
+    wrong = {problem.field.partition(".")[0] for problem in known}
+    if not isinstance(data, Mapping) or "model" not in data:
+        return []
+    rest = {name: data[name] for name in _IN_CATALOGUE if name in data and name not in wrong}
+    try:
+        scene = parse_scene(rest)
+        if math.prod(map(len, scene.parameters.values())) <= _QUICK_SERIES:
+            resolve(scene, catalogue)
+    except BadInput as error:
+        return [problem for problem in error.problems if problem.field.partition(".")[0] not in wrong]
+    return []
 
 
 async def json_of_body(request: Request) -> Any:
@@ -76,8 +110,3 @@ async def json_of_body(request: Request) -> Any:
 
 def _refuse(constant: str) -> None:
     raise ValueError(f"{constant} is no JSON number")
-
-
-async def scene_of_body(request: Request) -> Scene:
-    """The scene of a JSON body; raises as `json_of_body` and `parse_scene` do."""
-    return parse_scene(await json_of_body(request))

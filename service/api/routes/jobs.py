@@ -11,13 +11,12 @@ from starlette.responses import StreamingResponse
 from service.api import documents
 from service.api.jobs_json import accepted, job_json, json_response, sse
 from service.api.problems import HttpError
-from service.api.queries import json_of_body
+from service.api.queries import json_of_body, scene_of
 from service.api.representations import chosen_format, formats_of, represent
 from service.api.services import Services, unless_gone
 from service.errors import BadInput, Problem
 from service.formats import FORMATS
 from service.jobs.store import Job
-from service.scene import parse_scene
 from service.worker.kinds import KINDS
 
 LISTED = 100
@@ -37,7 +36,7 @@ def router(services: Services) -> APIRouter:
     )
     async def start(request: Request) -> Response:
         kind, scene = _wanted(await json_of_body(request))
-        asked = await services.ask(kind, parse_scene(scene))
+        asked = await services.ask(kind, scene_of(scene, services.catalogue))
         return accepted(await services.jobs.submit(asked, await services.estimate(asked)))
 
     @routes.get(

@@ -22,10 +22,11 @@ def _add(routes: APIRouter, kind: Kind, services: Services) -> None:
     parameters = parameter_names(services.catalogue)
 
     async def ask_by_query(request: Request) -> Response:
-        return await services.respond(request, kind.name, scene_of_query(request.query_params, parameters))
+        scene = scene_of_query(request.query_params, services.catalogue, parameters)
+        return await services.respond(request, kind.name, scene)
 
     async def ask_by_scene(request: Request) -> Response:
-        return await services.respond(request, kind.name, await scene_of_body(request))
+        return await services.respond(request, kind.name, await scene_of_body(request, services.catalogue))
 
     responses = documents.answer_responses(kind.name)
     routes.add_api_route(
