@@ -126,8 +126,8 @@ class Sampler:
     ) -> CellSums:
         """Draw `samples` samples for every cell. `progress` is called with the number just finished.
 
-        `save` is called after every launch, with sums that change when it has returned; either callback may raise, which
-        ends the run. A run with `start` does what is left after that checkpoint.
+        `save` is called after every launch, with sums that change when it has returned. Either callback may raise,
+        which ends the run. A run with `start` does what is left after that checkpoint.
         """
         total = self._begin(samples) if start is None else start.sums
         self._cells.array["shift"] = total.shift

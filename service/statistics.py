@@ -136,7 +136,8 @@ def _draw(
     begin = time.perf_counter()
     pipeline = engine.pipeline(plan.model, plan.technique, "statistics", specialization)
     with Sampler(engine.device, pipeline, series_cells(plan, scene)) as sampler:
-        sampler.warm_up()
+        if engine.first_use(pipeline):
+            sampler.warm_up()
         built_ms = 1e3 * (time.perf_counter() - begin)
         return sampler.run(scene.estimator.samples, advance, start, save), built_ms
 
@@ -160,9 +161,7 @@ def partial_series(plan: SeriesPlan, scene: Scene, sums: CellSums) -> dict[str, 
     return entry
 
 
-def _reference(
-    plan: SeriesPlan, scene: Scene, engine: Engine, pause: Callable[[], None]
-) -> list[CellReference] | None:
+def _reference(plan: SeriesPlan, scene: Scene, engine: Engine, pause: Callable[[], None]) -> list[CellReference] | None:
     """The reference of every angle, None where there is none or it was not asked for. `pause` is called time and again:
     a reference takes milliseconds a cell the first time.
     """
@@ -179,9 +178,7 @@ def _reference(
     return cells
 
 
-def _series(
-    plan: SeriesPlan, scene: Scene, sums: CellSums, cells: Sequence[CellReference] | None
-) -> dict[str, Any]:
+def _series(plan: SeriesPlan, scene: Scene, sums: CellSums, cells: Sequence[CellReference] | None) -> dict[str, Any]:
     angles = scene.angles_deg
     moments = moments_needed(scene)
     statistics = from_power_sums(sums.counted, sums.shift, sums.powers, moments) if moments else None

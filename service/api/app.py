@@ -14,11 +14,13 @@ from fastapi.security import APIKeyHeader
 from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp
 
+from lavapipe import LavapipeError
 from service.api import documents
 from service.api.middleware import BodyLimit, RequestContext
 from service.api.problems import HttpError, problem_response
 from service.api.routes import catalogue, figures, jobs, operations, questions
 from service.api.services import Services
+from service.errors import SamplerscopeError
 
 _DESCRIPTION = (
     "How noisy, how right and how fast a BRDF sampler is. A question is a scene: a model with parameter values, "
@@ -54,17 +56,10 @@ def create_app(services: Services) -> ASGIApp:
     app.include_router(operations.metrics_router(services), dependencies=guard)
     app.add_exception_handler(HTTPException, _http_exception)
     app.add_exception_handler(Exception, _exception)
-    for kind in (HttpError, *_expected()):
-        app.add_exception_handler(kind, _exception)
+    app.add_exception_handler(SamplerscopeError, _exception)
+    app.add_exception_handler(LavapipeError, _exception)
     app.openapi = _openapi(app, secured=bool(guard))  # type: ignore[method-assign]
     return RequestContext(BodyLimit(app, services.settings.max_body_bytes), services.metrics)
-
-
-def _expected() -> tuple[type[Exception], ...]:
-    from lavapipe import LavapipeError
-    from service.errors import SamplerscopeError
-
-    return SamplerscopeError, LavapipeError
 
 
 async def _exception(_: Request, error: Exception) -> Response:
@@ -98,9 +93,7 @@ def _openapi(app: FastAPI, *, secured: bool) -> Callable[[], dict[str, Any]]:
 
     def document() -> dict[str, Any]:
         if not app.openapi_schema:
-            made = get_openapi(
-                title=app.title, version=app.version, description=app.description, routes=app.routes
-            )
+            made = get_openapi(title=app.title, version=app.version, description=app.description, routes=app.routes)
             made.setdefault("components", {}).setdefault("schemas", {}).update(documents.components())
             for path in made["paths"].values():
                 for operation in path.values():

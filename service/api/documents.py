@@ -12,10 +12,11 @@ from service.api import problems as problem_details
 from service.api.representations import formats_of
 from service.catalogue import Catalogue, Parameter, load_catalogue
 from service.formats import FORMATS
-from service.scene import Estimator, Scene
+from service.scene import MAX_ANGLES, Estimator, Scene
 from service.worker.kinds import KINDS
 
 Part = dict[str, Any]
+Responses = dict[int | str, Part]
 
 EXAMPLE_SCENE: Part = {
     "model": "eon",
@@ -61,13 +62,18 @@ def reference_to(name: str) -> Part:
     return {"$ref": f"#/components/schemas/{name}"}
 
 
+def answers(schema: str, *statuses: int) -> Responses:
+    """A response 200 of JSON, and problems."""
+    return {200: json_content(schema), **problems(*statuses)}
+
+
 def json_content(schema: str, description: str = "") -> Part:
     """A response of JSON."""
     content = {"application/json": {"schema": reference_to(schema)}}
     return {"description": description or schema, "content": content}
 
 
-def problems(*statuses: int) -> dict[int | str, Part]:
+def problems(*statuses: int) -> Responses:
     """Responses that are problems."""
     content = {problem_details.MEDIA_TYPE: {"schema": reference_to("Problem")}}
     return {
@@ -80,7 +86,7 @@ def problems(*statuses: int) -> dict[int | str, Part]:
     }
 
 
-BODY_RESPONSES = problems(400, 413, 415)
+BODY_RESPONSES: Responses = problems(400, 413, 415)
 JOB_ACCEPTED: Part = {
     **json_content("Job", "The question became a job"),
     "headers": {
@@ -102,13 +108,13 @@ def _contents(kind: str) -> Part:
     return contents
 
 
-def answer_responses(kind: str) -> dict[int | str, Part]:
+def answer_responses(kind: str) -> Responses:
     """Responses to a question."""
     answer = {"description": "The result", "content": _contents(kind), "headers": _TAG}
     return {200: answer, 202: JOB_ACCEPTED, 304: NOT_MODIFIED, **problems(406, 422, 429, 500, 503)}
 
 
-def result_responses() -> dict[int | str, Part]:
+def result_responses() -> Responses:
     """Responses to a request for the result of a job."""
     contents = {**_contents("statistics")}
     if len(KINDS) > 1:
@@ -147,10 +153,12 @@ def query_parameters(catalogue: Catalogue, kind: str) -> list[Part]:
     scene, estimator = Scene.model_json_schema(), Estimator.model_json_schema()
     found = [
         _query("model", "The BRDF.", {"type": "string", "enum": sorted(catalogue.models)}, required=True),
-        _names(
-            "techniques", sorted(catalogue.techniques), description="Default: all that are made for the model."
+        _names("techniques", sorted(catalogue.techniques), description="Default: all that are made for the model."),
+        _query(
+            "angles",
+            "So many view angles, from 0 to 89.91 degrees.",
+            {"type": "integer", "minimum": 1, "maximum": MAX_ANGLES},
         ),
-        _query("angles", "So many view angles, from 0 to 89.91 degrees.", {"type": "integer", "minimum": 1, "maximum": 4096}),
         _query(
             "theta_o_deg",
             "View angles in degrees, in place of `angles`.",

@@ -42,16 +42,18 @@ class RequestContext:
         begin = time.perf_counter()
         timings: dict[str, float] = {}
         scope.setdefault("state", {})["timings"] = timings
-        status = 0
+        status, complete = 0, False
 
         async def send_more(message: Message) -> None:
-            nonlocal status
+            nonlocal status, complete
             if message["type"] == "http.response.start":
                 status = message["status"]
                 headers = MutableHeaders(scope=message)
                 headers["x-request-id"] = identifier
                 timings["total"] = 1e3 * (time.perf_counter() - begin)
                 headers["server-timing"] = ", ".join(f"{name};dur={ms:.3f}" for name, ms in timings.items())
+            elif message["type"] == "http.response.body":
+                complete = not message.get("more_body", False)
             await send(message)
 
         method = scope["method"]
@@ -59,9 +61,11 @@ class RequestContext:
         try:
             await self._app(inner, receive, send_more)
         except Exception as error:
-            if status:
+            # The problem of an error that no handler expects is already sent when the error arrives here.
+            if status and not complete:
                 raise
-            await problem_response(error)(scope, receive, send_more)
+            if not status:
+                await problem_response(error)(scope, receive, send_more)
         finally:
             self._note(inner, method, status, time.perf_counter() - begin)
             request_id.reset(token)

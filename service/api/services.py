@@ -55,14 +55,15 @@ class Services:
         metrics = Metrics()
 
         def lane(name: str, **more: Any) -> Lane:
-            clocks = {"beat_timeout_s": settings.beat_timeout_s, "stall_timeout_s": settings.stall_timeout_s}
+            clocks: dict[str, Any] = {
+                "beat_timeout_s": settings.beat_timeout_s,
+                "stall_timeout_s": settings.stall_timeout_s,
+            }
             made = Lane(LaneSettings(name, **clocks, **more), lambda name: metrics.restarts.labels(name).inc())
             metrics.queue.labels(name).set_function(lambda: len(made.waiting))
             return made
 
-        store = Store(
-            settings.data_dir, settings.store_limit_bytes, settings.store_max_age_s, settings.store_max_jobs
-        )
+        store = Store(settings.data_dir, settings.store_limit_bytes, settings.store_max_age_s, settings.store_max_jobs)
         # The server itself answers first, then small questions, then pictures and jobs.
         direct = lane("direct", nice=5, limit=settings.queue_limit)
         background = lane("jobs", nice=10, limit=settings.jobs_limit, quantum_s=1.0)
@@ -80,9 +81,7 @@ class Services:
         jobs = Jobs(
             answers, background, lambda error: problem_of(error)[0], lambda state: metrics.jobs.labels(state).inc()
         )
-        return cls(
-            settings, load_catalogue(), metrics, store, direct, background, encoding, costs, answers, jobs
-        )
+        return cls(settings, load_catalogue(), metrics, store, direct, background, encoding, costs, answers, jobs)
 
     async def start(self) -> None:
         """Start the workers and go on with unfinished jobs. Raises NoDevice."""

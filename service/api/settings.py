@@ -35,7 +35,9 @@ class Settings(BaseSettings):
     jobs_limit: int = Field(100, ge=0, description="Most jobs that may wait.")
     client_limit: int = Field(16, gt=0, description="Most computations that one client may have under way.")
     beat_timeout_s: float = Field(2.0, gt=0, description="A worker silent for longer is replaced.")
-    stall_timeout_s: float = Field(60.0, gt=0, description="A worker whose task gets no further for longer is replaced.")
+    stall_timeout_s: float = Field(
+        60.0, gt=0, description="A worker whose task gets no further for longer is replaced."
+    )
     graceful_s: float = Field(10.0, ge=0, description="How long requests may finish when the server stops.")
     log_level: str = Field("info", pattern="^(debug|info|warning|error)$", description="Least level that is logged.")
 

@@ -18,6 +18,7 @@ from service.worker.kinds import KINDS
 from service.worker.lane import Lane, Task
 
 MEMORY_BYTES = 64 << 20
+PRUNE_EVERY = 50
 _log = logging.getLogger("samplerscope.answers")
 
 
@@ -57,6 +58,7 @@ class Answers:
     _flights: dict[str, _Flight] = field(default_factory=dict)
     _memory: OrderedDict[str, Stored] = field(default_factory=OrderedDict)
     _memory_bytes: int = 0
+    _kept: int = 0
     _clients: Counter[str] = field(default_factory=Counter)
     # SQLite in a thread of its own: the event loop never waits for the disk.
     _disk: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1, "store"))
@@ -96,7 +98,10 @@ class Answers:
         head = {"do": "answer", "kind": asked.kind, "scene": asked.question.scene.model_dump(mode="json")}
         resumable = KINDS[asked.kind].resumable
         return await self._together(
-            asked.key, asked.kind, client, lambda: self._run(asked.key, self.device_lane, Task(head, resumable=resumable))
+            asked.key,
+            asked.kind,
+            client,
+            lambda: self._run(asked.key, self.device_lane, Task(head, resumable=resumable)),
         )
 
     async def encode(self, key: str, stored: Stored, format_: str, chart: str | None, client: str) -> Answered:
@@ -107,7 +112,10 @@ class Answers:
             return Answered(found, {})
         head = {"do": "encode", "format": format_, "chart": chart}
         return await self._together(
-            encoded_key, "encode", client, lambda: self._run(encoded_key, self.encode_lane, Task(head, (stored.content,)))
+            encoded_key,
+            "encode",
+            client,
+            lambda: self._run(encoded_key, self.encode_lane, Task(head, (stored.content,))),
         )
 
     async def _together(
@@ -160,6 +168,8 @@ class Answers:
     def _keep(self, key: str, stored: Stored) -> None:
         try:
             self.store.keep_result(key, stored)
-            self.store.prune()
+            self._kept += 1
+            if self._kept % PRUNE_EVERY == 0:
+                self.store.prune()
         except Exception:
             _log.exception("an answer could not be stored")

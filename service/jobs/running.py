@@ -77,9 +77,17 @@ class Jobs:
             if live.job.key == asked.key:
                 return live.job
         now = time.time()
-        scene = asked.question.scene.model_dump(mode="json")
         job = Job(
-            secrets.token_hex(12), asked.key, asked.kind, scene, "queued", now, now, 0, estimate.samples, estimate.seconds
+            id=secrets.token_hex(12),
+            key=asked.key,
+            kind=asked.kind,
+            scene=asked.question.scene.model_dump(mode="json"),
+            state="queued",
+            created=now,
+            updated=now,
+            done=0,
+            total=estimate.samples,
+            estimate_s=estimate.seconds,
         )
         if stored is not None:
             job = replace(job, state="done", done=job.total)
@@ -200,9 +208,7 @@ class Jobs:
             self._answers.costs.learn(message.head.get("costs", []))
             stored = Stored.of(message.blobs[0])
             live.job = replace(live.job, done=live.job.total)
-            self._answers.remember(
-                live.job.key, await self._answers.on_disk(self._store.finish_job, live.job, stored)
-            )
+            self._answers.remember(live.job.key, await self._answers.on_disk(self._store.finish_job, live.job, stored))
             await self._answers.on_disk(self._store.prune)
         except Cancelled:
             if self._stopping:

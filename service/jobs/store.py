@@ -91,7 +91,9 @@ class Store:
             folder.mkdir(parents=True, exist_ok=True, mode=0o700)
             self._lock = os.open(folder / _LOCK, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
         except OSError as error:
-            raise BadInput(Problem("data_dir", str(folder), f"a folder that can be written ({error.strerror})")) from None
+            raise BadInput(
+                Problem("data_dir", str(folder), f"a folder that can be written ({error.strerror})")
+            ) from None
         try:
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
@@ -173,9 +175,7 @@ class Store:
                 "SELECT id, ?, ? FROM job WHERE id = ? AND state IN ('queued', 'running')",
                 (series, sums, job.id),
             )
-            database.execute(
-                "UPDATE job SET done = ?, updated = ? WHERE id = ?", (job.done, job.updated, job.id)
-            )
+            database.execute("UPDATE job SET done = ?, updated = ? WHERE id = ?", (job.done, job.updated, job.id))
 
     def checkpoints(self, job_id: str) -> dict[int, bytes]:
         """The stored checkpoints of a job, by series."""

@@ -56,7 +56,7 @@ class Worker:
         while True:
             task = self._tasks.get()
             number = task.head["id"]
-            toil = Toil(task, engine, lambda say, blobs, head, n=number: self._say(say, blobs, id=n, **head), self._stops)
+            toil = Toil(task, engine, self._say, self._stops)
             begin = time.perf_counter()
             try:
                 head, blobs = do_task(toil)

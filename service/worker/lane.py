@@ -150,9 +150,7 @@ class Lane:
         pause_s = 0.05
         while True:
             try:
-                self.worker = await WorkerProcess.start(
-                    with_device=self.settings.with_device, nice=self.settings.nice
-                )
+                self.worker = await WorkerProcess.start(with_device=self.settings.with_device, nice=self.settings.nice)
             except (NoDevice, WorkerLost, OSError) as error:
                 self._fail_all(error)
                 await asyncio.sleep(pause_s)
@@ -160,6 +158,7 @@ class Lane:
                 continue
             pause_s, self.failure, self.device = 0.05, None, self.worker.device
             self._up.set()
+            _log.info("worker started", extra={"lane": self.settings.name, "worker": self.worker.process.pid})
             try:
                 await self._work(self.worker)
             finally:

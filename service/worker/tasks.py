@@ -33,8 +33,12 @@ class Toil:
 
     task: Message
     engine: Engine | None
-    say: Callable[[str, tuple[bytes, ...], dict[str, Any]], None]
+    speak: Callable[..., None]
     stops: set[int] = field(default_factory=set)
+
+    def say(self, say: str, *blobs: bytes, **head: Any) -> None:
+        """Send a message about this task."""
+        self.speak(say, blobs, id=self.task.head["id"], **head)
 
     def check_stop(self) -> None:
         """Raise Stopped where this task is to end."""
@@ -95,7 +99,9 @@ class _Journal:
         self._toil = toil
         self._question = question
         self._known = dict(zip(toil.task.head.get("series", []), toil.task.blobs, strict=True))
+        self._watched = toil.task.head.get("partial", False)
         self._shown = 0.0
+        self._told = time.monotonic()
 
     def load(self, series: int) -> Checkpoint | None:
         return checkpoints.unpack(self._known[series]) if series in self._known else None
@@ -104,13 +110,18 @@ class _Journal:
         head: dict[str, Any] = {"series": series}
         now = time.monotonic()
         complete = int(checkpoint.sums.drawn.min()) == self._question.scene.estimator.samples
-        if self._toil.task.head.get("partial") and (complete or now - self._shown >= PARTIAL_EVERY_S):
+        if self._watched and (complete or now - self._shown >= PARTIAL_EVERY_S):
             self._shown = now
             head["partial"] = partial_series(self._question.series[series], self._question.scene, checkpoint.sums)
-        self._toil.say("checkpoint", (checkpoints.pack(checkpoint),), head)
+        last = series + 1 == len(self._question.series)
+        if self._watched or not (complete and last):
+            self._toil.say("checkpoint", checkpoints.pack(checkpoint), **head)
 
     def progress(self, name: str, done: int, total: int) -> None:
-        self._toil.say("progress", (), {"technique": name, "done": done, "total": total})
+        now = time.monotonic()
+        if self._watched or now - self._told >= PARTIAL_EVERY_S:
+            self._told = now
+            self._toil.say("progress", technique=name, done=done, total=total)
 
 
 def _encode(toil: Toil) -> Answer:

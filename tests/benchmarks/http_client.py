@@ -5,14 +5,8 @@ server rather than itself.
 from __future__ import annotations
 
 import asyncio
-import os
-import re
-import subprocess
-import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
-from pathlib import Path
 
 
 class Connection:
@@ -28,7 +22,11 @@ class Connection:
 
     async def get(self, path: str, **headers: str) -> tuple[int, dict[str, str], bytes]:
         """Status, headers and body of a GET."""
-        lines = [f"GET {path} HTTP/1.1", "Host: 127.0.0.1", *(f"{k.replace('_', '-')}: {v}" for k, v in headers.items())]
+        lines = [
+            f"GET {path} HTTP/1.1",
+            "Host: 127.0.0.1",
+            *(f"{k.replace('_', '-')}: {v}" for k, v in headers.items()),
+        ]
         self._writer.write(("\r\n".join(lines) + "\r\n\r\n").encode())
         head = (await self._reader.readuntil(b"\r\n\r\n")).decode().split("\r\n")
         found = {k.lower(): v.strip() for k, _, v in (line.partition(":") for line in head[1:] if line)}
@@ -38,34 +36,6 @@ class Connection:
     async def close(self) -> None:
         self._writer.close()
         await self._writer.wait_closed()
-
-
-@contextmanager
-def server(folder: Path, **settings: str) -> Iterator[int]:
-    """A server of its own on a free port of the loopback interface; yields the port."""
-    environment = os.environ | {"SAMPLERSCOPE_DATA_DIR": str(folder), "SAMPLERSCOPE_CACHE_DIR": str(folder / "cache")}
-    folder.mkdir(parents=True, exist_ok=True)
-    log = folder / "log"
-    with log.open("wb") as errors:
-        process = subprocess.Popen(
-            [sys.executable, "-c", "from service.cli import main; main()", "serve", "--port", "0"],
-            env=environment | {f"SAMPLERSCOPE_{name.upper()}": value for name, value in settings.items()},
-            stderr=errors,
-        )
-    try:
-        yield _port(log, process)
-    finally:
-        process.terminate()
-        process.wait(timeout=30)
-
-
-def _port(log: Path, process: subprocess.Popen[bytes]) -> int:
-    """Wait for the line of the log that says where the server listens."""
-    while process.poll() is None:
-        if match := re.search(r'"url": "http://127\.0\.0\.1:(\d+)"', log.read_text()):
-            return int(match.group(1))
-        time.sleep(0.05)
-    raise RuntimeError(f"the server did not start: {log.read_text()}")
 
 
 async def timed(connections: list[Connection], paths: Iterator[str], seconds: float, **headers: str) -> list[float]:

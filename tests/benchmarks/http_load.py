@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import asyncio
 import itertools
+import os
 import re
 import statistics
 import sys
@@ -17,7 +18,8 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from tests.benchmarks.http_client import Connection, server, timed
+from tests.benchmarks.http_client import Connection, timed
+from tests.service.api.http_server import Server
 
 ROUNDS = 5
 CONNECTIONS = 8
@@ -69,24 +71,40 @@ async def run(port: int, seconds: float) -> None:
     for name, taken in cases.items():
         print(line(name, taken, ROUNDS * seconds))
     medians = {name: statistics.median(taken) for name, taken in cases.items()}
-    print(f"ratio of medians: cached/healthz {medians['cached'] / medians['healthz']:.2f}, "
-          f"304/cached {medians['304'] / medians['cached']:.2f}, fresh/cached {medians['fresh'] / medians['cached']:.1f}")
+    print(
+        f"ratio of medians: cached/healthz {medians['cached'] / medians['healthz']:.2f}, "
+        f"304/cached {medians['304'] / medians['cached']:.2f}, fresh/cached {medians['fresh'] / medians['cached']:.1f}"
+    )
     alone = await overhead(first, seeds, 200)
-    print(f"a fresh scene on one connection: {statistics.median(t for t, _ in alone):.2f} ms, device "
-          f"{statistics.median(d for _, d in alone):.2f} ms, above the device "
-          f"{statistics.median(t - d for t, d in alone):.2f} ms (medians)")
+    print(
+        f"a fresh scene on one connection: {statistics.median(t for t, _ in alone):.2f} ms, device "
+        f"{statistics.median(d for _, d in alone):.2f} ms, above the device "
+        f"{statistics.median(t - d for t, d in alone):.2f} ms (medians)"
+    )
     status, headers, _ = await first.get(HUGE)
     assert status == 202, status
     await asyncio.sleep(2.0)
     beside = await overhead(first, seeds, 100)
     health = await timed([first], itertools.repeat("/healthz"), seconds)
-    print(f"beside a huge job: fresh scene {statistics.median(t for t, _ in beside):.2f} ms "
-          f"({statistics.median(t for t, _ in beside) / statistics.median(t for t, _ in alone):.1f} times as long), "
-          f"healthz median {statistics.median(health):.2f} ms, longest {max(health):.1f} ms")
+    print(
+        f"beside a huge job: fresh scene {statistics.median(t for t, _ in beside):.2f} ms "
+        f"({statistics.median(t for t, _ in beside) / statistics.median(t for t, _ in alone):.1f} times as long), "
+        f"healthz median {statistics.median(health):.2f} ms, longest {max(health):.1f} ms"
+    )
     for connection in connections:
         await connection.close()
 
 
+def main() -> None:
+    """Start a server of its own with nothing stored, and load it."""
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ["SAMPLERSCOPE_CACHE_DIR"] = f"{folder}/cache"
+        server = Server(Path(folder))
+        try:
+            asyncio.run(run(int(server.url.rpartition(":")[2]), float(sys.argv[1]) if len(sys.argv) > 1 else 1.0))
+        finally:
+            server.stop()
+
+
 if __name__ == "__main__":
-    with tempfile.TemporaryDirectory() as folder, server(Path(folder)) as port:
-        asyncio.run(run(port, float(sys.argv[1]) if len(sys.argv) > 1 else 1.0))
+    main()

@@ -51,7 +51,8 @@ def router(services: Services) -> APIRouter:
                 [Problem(key, request.query_params[key], "no field of this name") for key in sorted(unknown)]
             )
         paper = FIGURES[name]
-        scene = figure_scene(paper, **parse_scene({"model": "eon", "estimator": given}).estimator.model_dump(include=set(given)))
+        checked = parse_scene({"model": "eon", "estimator": given}).estimator
+        scene = figure_scene(paper, **checked.model_dump(include=set(given)))
         return await services.respond(request, "statistics", scene, chart=paper.chart)
 
     return routes

@@ -31,7 +31,7 @@ def router(services: Services) -> APIRouter:
         summary="Answer a question in the background",
         operation_id="post_job",
         response_class=Response,
-        responses={202: documents.JOB_ACCEPTED} | documents.problems(422, 503) | documents.BODY_RESPONSES,
+        responses={202: documents.JOB_ACCEPTED, **documents.problems(422, 503), **documents.BODY_RESPONSES},
         openapi_extra={"requestBody": documents.job_body()},
     )
     async def start(request: Request) -> Response:
@@ -54,7 +54,7 @@ def router(services: Services) -> APIRouter:
         summary="State and progress of a job",
         operation_id="get_job",
         response_class=Response,
-        responses={200: documents.json_content("Job")} | documents.problems(404),
+        responses=documents.answers("Job", 404),
     )
     async def state(job_id: str) -> Response:
         return json_response(job_json(_there(await services.jobs.job(job_id))))
@@ -64,7 +64,7 @@ def router(services: Services) -> APIRouter:
         summary="Cancel a job; it ends at its next launch and frees the device",
         operation_id="delete_job",
         response_class=Response,
-        responses={200: documents.json_content("Job")} | documents.problems(404),
+        responses=documents.answers("Job", 404),
     )
     async def cancel(job_id: str) -> Response:
         return json_response(job_json(_there(await services.jobs.cancel(job_id))))
@@ -74,7 +74,7 @@ def router(services: Services) -> APIRouter:
         summary="What happens to a job, as server-sent events",
         operation_id="get_job_events",
         response_class=Response,
-        responses={200: documents.EVENTS} | documents.problems(404),
+        responses={200: documents.EVENTS, **documents.problems(404)},
     )
     async def events(job_id: str) -> Response:
         _there(await services.jobs.job(job_id))

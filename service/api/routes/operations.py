@@ -77,7 +77,7 @@ def ready_router(services: Services) -> APIRouter:
         summary="Whether the device computes a known result",
         operation_id="get_readiness",
         response_class=Response,
-        responses={200: documents.json_content("Ready")} | documents.problems(503),
+        responses=documents.answers("Ready", 503),
     )
     async def readyz() -> Response:
         outcome = dict(await readiness.probe())
