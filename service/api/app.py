@@ -6,7 +6,7 @@ import hmac
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from importlib.metadata import version
-from typing import Annotated, Any
+from typing import Any
 
 from fastapi import Depends, FastAPI, Request, Response, Security
 from fastapi.openapi.utils import get_openapi
@@ -79,7 +79,7 @@ def _guard(services: Services) -> list[Any]:
         return []
     header = APIKeyHeader(name="X-API-Key", auto_error=False, description="Or `Authorization: Bearer KEY`.")
 
-    def check(request: Request, given: Annotated[str | None, Security(header)]) -> None:
+    def check(request: Request, given: str | None = Security(header)) -> None:
         scheme, _, token = request.headers.get("authorization", "").partition(" ")
         key = given or (token if scheme.lower() == "bearer" else "")
         if not hmac.compare_digest(key.encode(), secret.get_secret_value().encode()):

@@ -7,28 +7,33 @@ import logging
 import signal
 import socket
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 import uvicorn
 import uvloop
 from starlette.types import ASGIApp, Receive, Scope, Send
 
+from lavapipe import DeviceNotFound
 from service.api import logs
 from service.api.app import create_app
 from service.api.services import Services
 from service.api.settings import Settings
 from service.errors import BadInput, Problem
+from service.worker.process import NoDevice
 
 _log = logging.getLogger("samplerscope.server")
 
 
 def serve(settings: Settings) -> None:
-    """Serve until SIGINT or SIGTERM. Raises BadInput where address or folder is no good, NoDevice without a device."""
+    """Serve until SIGINT or SIGTERM. Raises BadInput where address or folder is no good, DeviceNotFound."""
     logs.configure(settings.log_level)
     listener = _listen(settings)
     with listener, asyncio.Runner(loop_factory=uvloop.new_event_loop) as runner:
-        runner.run(_serve(settings, listener))
+        try:
+            runner.run(_serve(settings, listener))
+        except NoDevice as error:
+            raise DeviceNotFound(str(error)) from None
 
 
 async def _serve(settings: Settings, listener: socket.socket) -> None:
@@ -45,7 +50,8 @@ async def _serve(settings: Settings, listener: socket.socket) -> None:
     server = _Server(config, services)
     host, port = listener.getsockname()[:2]
     server.url = f"http://{f'[{host}]' if ':' in host else host}:{port}"
-    await server.serve([listener])
+    with suppress(SystemExit):  # uvicorn's way to end when the application did not start
+        await server.serve([listener])
     if failures:
         raise failures[0]
 

@@ -1,6 +1,7 @@
 """A lane without a server: who gets the device, and when a task is given up."""
 
 import asyncio
+import itertools
 import os
 import signal
 
@@ -61,7 +62,7 @@ def test_equal_tasks_share_the_device_and_both_end():
         lane.submit(first)
         lane.submit(second)
         await asyncio.gather(first.future, second.future)
-        turns = sum(before != after for before, after in zip(order, order[1:], strict=False))
+        turns = sum(before != after for before, after in itertools.pairwise(order))
         assert turns >= 3  # one after the other would be a single turn
 
     with_lane(use, quantum_s=0.05)
