@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import struct
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from copy import deepcopy
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,6 +74,16 @@ class Checkpoint:
     sums: CellSums
 
 
+class Journal(Protocol):
+    """Where the runs of one series, which come in a fixed order, keep how far they are."""
+
+    def begin(self) -> Checkpoint | None:
+        """Called by each run at its start: its last checkpoint, or None where it is new."""
+
+    def save(self, checkpoint: Checkpoint) -> None:
+        """Called after every launch. The sums change when this has returned. May raise, which ends the run."""
+
+
 @dataclass(frozen=True)
 class _Launch:
     first_cell: int
@@ -90,11 +101,8 @@ class Sampler:
         self._device = device
         self._pipeline = pipeline
         self._count = len(cells)
-        table = np.zeros(len(cells), _CELL)
-        table["wo"] = cells.wo
-        table["key"] = cells.keys
-        self._cells = device.buffer((len(cells),), _CELL)
-        self._cells.array[:] = table
+        self._cells = device.buffer((len(cells),), CELL)
+        self._cells.array[:] = cell_table(cells)
         self._parameters = device.buffer((max(1, cells.parameters.size),), np.float32)
         self._parameters.array[: cells.parameters.size] = cells.parameters.ravel()
         self._outputs = [self._output_pair() for _ in range(LAUNCHES_IN_FLIGHT)]
@@ -118,49 +126,70 @@ class Sampler:
         self._submit(_Launch(0, 1, 0, 1), 1, self._outputs[0]).wait(TIMEOUT_S)
 
     def run(
-        self,
-        samples: int,
-        progress: Callable[[int], None] = lambda done: None,
-        start: Checkpoint | None = None,
-        save: Callable[[Checkpoint], None] = lambda checkpoint: None,
+        self, samples: int, progress: Callable[[int], None] = lambda done: None, journal: Journal | None = None
     ) -> CellSums:
         """Draw `samples` samples for every cell. `progress` is called with the number just finished.
 
-        `save` is called after every launch, with sums that change when it has returned. Either callback may raise,
-        which ends the run. A run with `start` does what is left after that checkpoint.
+        With a `journal` the run goes on from its checkpoint. Both may raise, which ends the run.
         """
-        total = self._begin(samples) if start is None else start.sums
-        self._cells.array["shift"] = total.shift
-        launches = list(_launches(self._count, samples))
-        added = 0 if start is None else start.launches
+        start = journal.begin() if journal is not None else None
+        if start is None:
+            start = Checkpoint(0, _empty_sums(self._pilot(min(samples, PILOT_SAMPLES))))
+        else:
+            progress(int(start.sums.drawn.sum()))
+        self._cells.array["shift"] = start.sums.shift
+        self._extend(start, 0, samples, progress, journal)
+        return _complete(start.sums, samples)
+
+    def run_prefixes(
+        self, counts: Sequence[int], progress: Callable[[int], None] = lambda done: None
+    ) -> list[CellSums]:
+        """What `run` gives for each of these increasing counts, drawing no block twice where a count ends with one."""
+        shift = self._pilot(min(counts[-1], PILOT_SAMPLES))
+        self._cells.array["shift"] = shift
+        found: list[CellSums] = []
+        total, drawn = _empty_sums(shift), 0
+        for count in counts:
+            if drawn % BLOCK_SAMPLES:
+                total, drawn = _empty_sums(shift), 0
+            self._extend(Checkpoint(0, total), drawn // BLOCK_SAMPLES, count, progress, None)
+            drawn = count
+            found.append(deepcopy(_complete(total, count)))
+        return found
+
+    def _extend(
+        self,
+        start: Checkpoint,
+        first_block: int,
+        samples: int,
+        progress: Callable[[int], None],
+        journal: Journal | None,
+    ) -> None:
+        """Add the blocks from `first_block` on, up to `samples` samples in all, but those of launches done already."""
+        added = start.launches
         pending: deque[tuple[_Launch, Submission, tuple[Buffer, Buffer]]] = deque()
 
-        def add_first() -> None:
+        def add_oldest() -> None:
             nonlocal added
-            drawn = _add(total, *pending.popleft())
+            drawn = _add(start.sums, *pending.popleft())
             added += 1
-            save(Checkpoint(added, total))
+            if journal is not None:
+                journal.save(Checkpoint(added, start.sums))
             progress(drawn)
 
         try:
-            for number in range(added, len(launches)):
+            for number, launch in enumerate(_launches(self._count, first_block, samples)):
+                if number < start.launches:
+                    continue
                 if len(pending) == LAUNCHES_IN_FLIGHT:
-                    add_first()
+                    add_oldest()
                 outputs = self._outputs[number % LAUNCHES_IN_FLIGHT]
-                pending.append((launches[number], self._submit(launches[number], samples, outputs), outputs))
+                pending.append((launch, self._submit(launch, samples, outputs), outputs))
             while pending:
-                add_first()
+                add_oldest()
         finally:
             for _, submission, _ in pending:
                 submission.close()
-        if np.any(total.drawn != samples):
-            raise IncompleteRun(f"the driver ended a loop after {total.drawn.min()} of {samples} samples")
-        return total
-
-    def _begin(self, samples: int) -> CellSums:
-        total = _empty_sums(self._count)
-        total.shift[:] = self._pilot(min(samples, PILOT_SAMPLES))
-        return total
 
     def _pilot(self, samples: int) -> NDArray[np.float64]:
         """The median of every cell's first weights: the shift of its power sums."""
@@ -190,15 +219,24 @@ class Sampler:
         return self._device.buffer(size, np.float32), self._device.buffer(size, np.uint32)
 
 
-_CELL = np.dtype([("wo", "<f4", 3), ("shift", "<f4"), ("key", "<u4", 2), ("padding", "<u4", 2)])
+CELL = np.dtype([("wo", "<f4", 3), ("shift", "<f4"), ("key", "<u4", 2), ("padding", "<u4", 2)])
+"""A cell as the shaders see it."""
 
 
-def _launches(cells: int, samples: int) -> Iterator[_Launch]:
+def cell_table(cells: Cells) -> NDArray[Any]:
+    """The cells as an array of CELL, shift 0."""
+    table = np.zeros(len(cells), CELL)
+    table["wo"] = cells.wo
+    table["key"] = cells.keys
+    return table
+
+
+def _launches(cells: int, start: int, samples: int) -> Iterator[_Launch]:
     blocks = -(-samples // BLOCK_SAMPLES)
     for first_cell in range(0, cells, LAUNCH_BLOCKS):
         count = min(LAUNCH_BLOCKS, cells - first_cell)
         step = LAUNCH_BLOCKS // count
-        for first_block in range(0, blocks, step):
+        for first_block in range(start, blocks, step):
             yield _Launch(first_cell, count, first_block, min(step, blocks - first_block))
 
 
@@ -236,7 +274,15 @@ def _note_first_bad(first_bad: NDArray[np.int64], found: NDArray[np.uint32], fir
     first_bad[fresh] = indices[fresh]
 
 
-def _empty_sums(cells: int) -> CellSums:
+def _complete(sums: CellSums, samples: int) -> CellSums:
+    if np.any(sums.drawn != samples):
+        raise IncompleteRun(f"the driver ended a loop after {sums.drawn.min()} of {samples} samples")
+    return sums
+
+
+def _empty_sums(shift: NDArray[np.float64]) -> CellSums:
+    cells = len(shift)
+
     def none_yet() -> NDArray[np.int64]:
         return np.zeros(cells, np.int64)
 
@@ -246,7 +292,7 @@ def _empty_sums(cells: int) -> CellSums:
         nonfinite=none_yet(),
         negative=none_yet(),
         first_bad=np.full(cells, -1, np.int64),
-        shift=np.zeros(cells),
+        shift=shift,
         powers=np.zeros((4, cells)),
         largest=np.full(cells, -np.inf),
     )

@@ -32,7 +32,7 @@ class _Live:
     job: Job
     task: Task
     partials: dict[int, dict[str, Any]] = field(default_factory=dict)
-    unsaved: dict[int, bytes] = field(default_factory=dict)
+    unsaved: dict[str, bytes] = field(default_factory=dict)
     saving: bool = False
     watchers: set[asyncio.Queue[Event | None]] = field(default_factory=set)
     runner: asyncio.Task[None] | None = None
@@ -67,7 +67,7 @@ class Jobs:
         """Go on with the jobs that an earlier server did not finish."""
         for job in await self._answers.on_disk(self._store.unfinished_jobs):
             checkpoints = await self._answers.on_disk(self._store.checkpoints, job.id)
-            _log.info("going on with a job", extra={"job": job.id, "series_begun": len(checkpoints)})
+            _log.info("going on with a job", extra={"job": job.id, "runs_begun": len(checkpoints)})
             self._launch(replace(job, state="queued"), checkpoints, beyond_limit=True)
 
     async def submit(self, asked: Asked, estimate: Estimate) -> Job:
@@ -158,7 +158,7 @@ class Jobs:
         if runners:
             await asyncio.wait(runners)
 
-    def _launch(self, job: Job, checkpoints: dict[int, bytes], *, beyond_limit: bool = False) -> None:
+    def _launch(self, job: Job, checkpoints: dict[str, bytes], *, beyond_limit: bool = False) -> None:
         head = {"do": "answer", "kind": job.kind, "scene": dict(job.scene), "partial": True}
         task = Task(head, resumable=KINDS[job.kind].resumable, tries=TRIES, checkpoints=checkpoints)
         live = _Live(job, task)
@@ -174,20 +174,20 @@ class Jobs:
             live.job = replace(live.job, state="running", done=head["done"], total=head["total"], updated=time.time())
             live.tell("progress", {name: head[name] for name in ("technique", "done", "total")})
             return
-        live.unsaved[head["series"]] = message.blobs[0]
+        live.unsaved[head["run"]] = message.blobs[0]
         self._save(live)
         if "partial" in head:
-            live.partials[head["series"]] = {"number": head["series"], **head["partial"]}
-            live.tell("partial", live.partials[head["series"]])
+            live.partials[head["partial"]["number"]] = head["partial"]
+            live.tell("partial", head["partial"])
 
     def _save(self, live: _Live) -> None:
         """Store the latest checkpoints, one write at a time: those that come meanwhile go with the next."""
         if live.saving or not live.unsaved:
             return
         live.saving = True
-        series, sums = live.unsaved.popitem()
+        run, sums = live.unsaved.popitem()
         writing = asyncio.get_running_loop().create_task(
-            self._answers.on_disk(self._store.keep_checkpoint, live.job, series, sums)
+            self._answers.on_disk(self._store.keep_checkpoint, live.job, run, sums)
         )
 
         def written(task: asyncio.Task[Any]) -> None:
@@ -225,5 +225,5 @@ class Jobs:
         live.tell(state, error or {})
 
     async def _keep_unsaved(self, live: _Live) -> None:
-        for series, sums in live.unsaved.items():
-            await self._answers.on_disk(self._store.keep_checkpoint, live.job, series, sums)
+        for run, sums in live.unsaved.items():
+            await self._answers.on_disk(self._store.keep_checkpoint, live.job, run, sums)

@@ -36,8 +36,8 @@ CREATE TABLE IF NOT EXISTS job (
 );
 CREATE INDEX IF NOT EXISTS job_key ON job (key);
 CREATE TABLE IF NOT EXISTS checkpoint (
-    job TEXT NOT NULL REFERENCES job (id) ON DELETE CASCADE, series INTEGER NOT NULL, sums BLOB NOT NULL,
-    PRIMARY KEY (job, series)
+    job TEXT NOT NULL REFERENCES job (id) ON DELETE CASCADE, run TEXT NOT NULL, sums BLOB NOT NULL,
+    PRIMARY KEY (job, run)
 );
 """
 UNFINISHED = ("queued", "running")
@@ -167,21 +167,21 @@ class Store:
         self.keep_job(replace(job, state="done", updated=time.time()))
         return kept
 
-    def keep_checkpoint(self, job: Job, series: int, sums: bytes) -> None:
-        """Store how far a series of a job is, and the job's progress."""
+    def keep_checkpoint(self, job: Job, run: str, sums: bytes) -> None:
+        """Store how far a run of a job is, and the job's progress."""
         with self._transaction() as database:
             database.execute(
-                "INSERT OR REPLACE INTO checkpoint (job, series, sums) "
+                "INSERT OR REPLACE INTO checkpoint (job, run, sums) "
                 "SELECT id, ?, ? FROM job WHERE id = ? AND state IN ('queued', 'running')",
-                (series, sums, job.id),
+                (run, sums, job.id),
             )
             database.execute("UPDATE job SET done = ?, updated = ? WHERE id = ?", (job.done, job.updated, job.id))
 
-    def checkpoints(self, job_id: str) -> dict[int, bytes]:
-        """The stored checkpoints of a job, by series."""
+    def checkpoints(self, job_id: str) -> dict[str, bytes]:
+        """The stored checkpoints of a job, by run."""
         with self._mutex:
-            rows = self._database.execute("SELECT series, sums FROM checkpoint WHERE job = ?", (job_id,)).fetchall()
-        return {series: bytes(sums) for series, sums in rows}
+            rows = self._database.execute("SELECT run, sums FROM checkpoint WHERE job = ?", (job_id,)).fetchall()
+        return {run: bytes(sums) for run, sums in rows}
 
     def job(self, job_id: str) -> Job | None:
         """The job of this id."""

@@ -11,37 +11,72 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
+from service.convergence.scene import ConvergenceScene, parse_convergence_scene
+from service.scene import Question, Scene, parse_scene
+
 
 @dataclass(frozen=True)
 class Kind:
-    """One kind of question. `path` is its route, `function` its "module:name".
+    """One kind of question.
 
-    A `resumable` one also takes `journal` (see service.statistics.Journal): it is interrupted at any launch, shares the
-    device with others, and goes on where it was.
+    `scene` is what its scenes are, `parse` makes one of plain data, `samples` is how many samples an answer draws.
+    `function` is "module:name". A `resumable` one also takes `journal` (see service.statistics): it is interrupted at
+    any launch, shares the device with others, and goes on where it was.
     """
 
     name: str
-    path: str
     title: str
+    scene: type[Scene]
+    parse: Callable[[Mapping[str, Any]], Scene]
+    samples: Callable[[Question], int]
     function: str
     resumable: bool = False
 
-    def load(self) -> Callable[..., dict[str, Any]]:
-        """Import the function."""
+    @property
+    def path(self) -> str:
+        """The route."""
+        return f"/v1/{self.name}"
+
+    def compute(self, *arguments: Any, **more: Any) -> dict[str, Any]:
+        """Call the function, which is imported now."""
         module, _, name = self.function.partition(":")
-        function: Callable[..., dict[str, Any]] = getattr(import_module(module), name)
-        return function
+        result: dict[str, Any] = getattr(import_module(module), name)(*arguments, **more)
+        return result
+
+
+def _cells(question: Question) -> int:
+    return len(question.series) * len(question.scene.angles_deg)
+
+
+def _statistics_samples(question: Question) -> int:
+    return _cells(question) * question.scene.estimator.samples
+
+
+def _convergence_samples(question: Question) -> int:
+    scene = question.scene
+    assert isinstance(scene, ConvergenceScene)
+    return _cells(question) * scene.counts[-1] * scene.replicates * len(scene.estimators)
 
 
 KINDS: Mapping[str, Kind] = {
     kind.name: kind
     for kind in (
         Kind(
-            "statistics",
-            "/v1/statistics",
-            "Mean, variance and largest weight of techniques across view angles",
-            "service.statistics:compute_statistics",
+            name="statistics",
+            title="Mean, variance and largest weight of techniques across view angles",
+            scene=Scene,
+            parse=parse_scene,
+            samples=_statistics_samples,
+            function="service.statistics:compute_statistics",
             resumable=True,
+        ),
+        Kind(
+            name="convergence",
+            title="Error against run time: which technique reaches a target first",
+            scene=ConvergenceScene,
+            parse=parse_convergence_scene,
+            samples=_convergence_samples,
+            function="service.convergence:compute_convergence",
         ),
     )
 }

@@ -56,7 +56,7 @@ class LaneSettings:
 
 @dataclass(eq=False)
 class Task:
-    """Something to be done. `checkpoints` holds the latest bytes of every series that has begun.
+    """Something to be done. `checkpoints` holds the latest bytes of every run that has begun.
 
     `tries` is how many workers it may use up without getting further; `hear` is called with every message about it.
     """
@@ -66,7 +66,7 @@ class Task:
     resumable: bool = False
     tries: int = 1
     hear: Callable[[Message], None] = lambda message: None
-    checkpoints: dict[int, bytes] = field(default_factory=dict)
+    checkpoints: dict[str, bytes] = field(default_factory=dict)
     number: int = field(default_factory=lambda: next(_numbers))
     created: float = field(default_factory=time.monotonic)
     begun: float | None = None
@@ -78,9 +78,9 @@ class Task:
 
     def message(self) -> Message:
         """The message that starts it, or starts it again."""
-        series = sorted(self.checkpoints)
-        head = {**self.head, "id": self.number, "series": series}
-        return Message(head, tuple(self.checkpoints[number] for number in series) if series else self.blobs)
+        runs = list(self.checkpoints)
+        head = {**self.head, "id": self.number, "runs": runs}
+        return Message(head, tuple(self.checkpoints.values()) if runs else self.blobs)
 
     def fail(self, error: Exception) -> None:
         """End it with an error."""
@@ -214,7 +214,7 @@ class Lane:
             match message.head["say"]:
                 case "checkpoint" | "progress" as say:
                     if say == "checkpoint":
-                        task.checkpoints[message.head["series"]] = message.blobs[0]
+                        task.checkpoints[message.head["run"]] = message.blobs[0]
                         task.losses = task.slices_in_vain = 0
                     task.hear(message)
                     if not stopping and self._should_yield(task, task.served_s - served_before):

@@ -56,16 +56,11 @@ def _answer(toil: Toil) -> Answer:
     head = toil.task.head
     assert toil.engine is not None
     kind = KINDS[head["kind"]]
-    question = resolve(parse_scene(head["scene"]), toil.engine.catalogue)
-    journal = _Journal(toil, question)
-
-    def progress(name: str, done: int, total: int) -> None:
-        toil.check_stop()
-        journal.progress(name, done, total)
-
-    more = {"journal": journal} if kind.resumable else {}
+    question = resolve(kind.parse(head["scene"]), toil.engine.catalogue)
+    progress = _Progress(toil, question)
+    more = {"journal": progress.journal} if kind.resumable else {}
     begin = time.perf_counter()
-    result = kind.load()(question, toil.engine, progress, **more)
+    result = kind.compute(question, toil.engine, progress.advance, **more)
     computed = time.perf_counter()
     content = formats.encode(result, "json")
     run = result.get("run", {})
@@ -92,36 +87,58 @@ def _total(samples: Any, angles: int) -> int:
     return sum(samples) if isinstance(samples, list) else samples * angles
 
 
-class _Journal:
-    """Sends every checkpoint to the server, which keeps it, and starts from those that came with the task."""
+class _Progress:
+    """Tells the server how far a question is, and keeps its checkpoints there: one for each run of each series."""
 
     def __init__(self, toil: Toil, question: Question) -> None:
         self._toil = toil
         self._question = question
-        self._known = dict(zip(toil.task.head.get("series", []), toil.task.blobs, strict=True))
+        self._known = dict(zip(toil.task.head.get("runs", []), toil.task.blobs, strict=True))
         self._watched = toil.task.head.get("partial", False)
         self._shown = 0.0
         self._told = time.monotonic()
 
-    def load(self, series: int) -> Checkpoint | None:
-        return checkpoints.unpack(self._known[series]) if series in self._known else None
-
-    def save(self, series: int, checkpoint: Checkpoint) -> None:
-        head: dict[str, Any] = {"series": series}
-        now = time.monotonic()
-        complete = int(checkpoint.sums.drawn.min()) == self._question.scene.estimator.samples
-        if self._watched and (complete or now - self._shown >= PARTIAL_EVERY_S):
-            self._shown = now
-            head["partial"] = partial_series(self._question.series[series], self._question.scene, checkpoint.sums)
-        last = series + 1 == len(self._question.series)
-        if self._watched or not (complete and last):
-            self._toil.say("checkpoint", checkpoints.pack(checkpoint), **head)
-
-    def progress(self, name: str, done: int, total: int) -> None:
+    def advance(self, name: str, done: int, total: int) -> None:
+        self._toil.check_stop()
         now = time.monotonic()
         if self._watched or now - self._told >= PARTIAL_EVERY_S:
             self._told = now
             self._toil.say("progress", technique=name, done=done, total=total)
+
+    def journal(self, series: int) -> _Journal:
+        return _Journal(self, series)
+
+    def known(self, run: str) -> Checkpoint | None:
+        return checkpoints.unpack(self._known[run]) if run in self._known else None
+
+    def keep(self, run: str, series: int, checkpoint: Checkpoint) -> None:
+        head: dict[str, Any] = {"run": run}
+        now = time.monotonic()
+        if self._watched and now - self._shown >= PARTIAL_EVERY_S:
+            self._shown = now
+            plan = self._question.series[series]
+            head["partial"] = {"number": series} | partial_series(plan, self._question.scene, checkpoint.sums)
+        self._toil.say("checkpoint", checkpoints.pack(checkpoint), **head)
+
+
+class _Journal:
+    """The journal of one series: its runs are numbered as they begin."""
+
+    def __init__(self, progress: _Progress, series: int) -> None:
+        self._progress = progress
+        self._series = series
+        self._runs = 0
+
+    @property
+    def _run(self) -> str:
+        return f"{self._series}.{self._runs}"
+
+    def begin(self) -> Checkpoint | None:
+        self._runs += 1
+        return self._progress.known(self._run)
+
+    def save(self, checkpoint: Checkpoint) -> None:
+        self._progress.keep(self._run, self._series, checkpoint)
 
 
 def _encode(toil: Toil) -> Answer:
