@@ -13,7 +13,7 @@ from service.api.representations import formats_of
 from service.catalogue import Catalogue, Parameter, load_catalogue
 from service.formats import FORMATS
 from service.scene import MAX_ANGLES, Estimator, Scene
-from service.worker.kinds import KINDS
+from service.worker.kinds import KINDS, ROUTED, Kind
 
 Part = dict[str, Any]
 Responses = dict[int | str, Part]
@@ -114,11 +114,15 @@ def answer_responses(kind: str) -> Responses:
     return {200: answer, 202: JOB_ACCEPTED, 304: NOT_MODIFIED, **problems(406, 422, 429, 500, 503)}
 
 
+def figure_responses() -> Responses:
+    """Responses to a request for a figure."""
+    return {**result_responses(), 202: JOB_ACCEPTED, **problems(404)}
+
+
 def result_responses() -> Responses:
-    """Responses to a request for the result of a job."""
-    contents = {**_contents("statistics")}
-    if len(KINDS) > 1:
-        contents["application/json"] = {"schema": reference_to("AnyResult")}
+    """Responses to a request for a result of any kind."""
+    contents = {name: content for kind in KINDS for name, content in _contents(kind).items()}
+    contents["application/json"] = {"schema": reference_to("AnyResult")}
     answer = {"description": "The result", "content": contents, "headers": _TAG}
     return {200: answer, 304: NOT_MODIFIED, **problems(406, 422, 429, 500, 503)}
 
@@ -148,9 +152,9 @@ def _names(title: str, names: Iterable[str], **more: Any) -> Part:
     return part
 
 
-def query_parameters(catalogue: Catalogue, kind: str) -> list[Part]:
+def query_parameters(catalogue: Catalogue, kind: Kind) -> list[Part]:
     """Parameters of a question that fits in a link."""
-    scene, estimator = Scene.model_json_schema(), Estimator.model_json_schema()
+    scene, estimator = kind.scene.model_json_schema(), Estimator.model_json_schema()
     found = [
         _query("model", "The BRDF.", {"type": "string", "enum": sorted(catalogue.models)}, required=True),
         _names("techniques", sorted(catalogue.techniques), description="Default: all that are made for the model."),
@@ -185,9 +189,19 @@ def query_parameters(catalogue: Catalogue, kind: str) -> list[Part]:
             _query(name, _meaning(parameter), _values(parameter), style="form", explode=False, **_example(name))
             for name, parameter in _all_parameters(catalogue).items()
         ),
-        format_parameter(kind),
+        *(
+            _list(name, _bare(scene["properties"][name]))
+            for name in kind.scene.model_fields.keys() - Scene.model_fields.keys()
+        ),
+        format_parameter(kind.name),
     ]
     return [*found, *ANSWER_HEADERS]
+
+
+def _list(name: str, schema: Part) -> Part:
+    """A field of a scene in a query; a list is separated by commas."""
+    more: Part = {"style": "form", "explode": False} if schema.get("type") == "array" else {}
+    return _query(name, "Of a scene of this kind.", schema, **more)
 
 
 def _bare(schema: Part) -> Part:
@@ -233,10 +247,10 @@ def figure_parameters() -> list[Part]:
     ]
 
 
-def scene_schema(catalogue: Catalogue | None = None) -> Part:
+def scene_schema(kind: Kind, catalogue: Catalogue | None = None) -> Part:
     """The schema of a scene, with the catalogue's names as enums and its parameters with their ranges."""
     catalogue = catalogue or load_catalogue()
-    schema = Scene.model_json_schema(ref_template="#/components/schemas/{model}")
+    schema = kind.scene.model_json_schema(ref_template="#/components/schemas/{model}")
     schema.pop("$defs", None)
     fields = schema["properties"]
     fields["model"] = {"type": "string", "enum": sorted(catalogue.models), "description": "The BRDF."}
@@ -265,9 +279,9 @@ def scene_schema(catalogue: Catalogue | None = None) -> Part:
     return schema
 
 
-def scene_body() -> Part:
+def scene_body(kind: Kind) -> Part:
     """The body of a question."""
-    content = {"application/json": {"schema": reference_to("Scene"), "example": EXAMPLE_SCENE}}
+    content = {"application/json": {"schema": reference_to(kind.scene.__name__), "example": EXAMPLE_SCENE}}
     return {"required": True, "content": content}
 
 
@@ -278,8 +292,8 @@ def job_body() -> Part:
         "required": ["scene"],
         "additionalProperties": False,
         "properties": {
-            "kind": {"type": "string", "enum": list(KINDS), "default": "statistics"},
-            "scene": reference_to("Scene"),
+            "kind": {"type": "string", "enum": [kind.name for kind in ROUTED], "default": "statistics"},
+            "scene": {"anyOf": [reference_to(kind.scene.__name__) for kind in ROUTED]},
         },
     }
     example = {"kind": "statistics", "scene": EXAMPLE_SCENE}
@@ -296,4 +310,5 @@ def components() -> dict[str, Part]:
     wanted = [(model, "serialization") for model in (*schemas.MODELS, schemas.Job)]
     wanted += [(model, "validation") for model in (AngleCount, Estimator)]
     _, definitions = models_json_schema(wanted, ref_template="#/components/schemas/{model}")  # type: ignore[arg-type]
-    return {**definitions["$defs"], "Scene": scene_schema()}
+    known: dict[str, Part] = definitions["$defs"]
+    return known | {kind.scene.__name__: scene_schema(kind) for kind in ROUTED}

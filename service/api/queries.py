@@ -15,8 +15,9 @@ from service.catalogue import Catalogue
 from service.errors import BadInput, Problem
 from service.formats import FORMATS
 from service.scene import Estimator, Scene, parse_scene, resolve
+from service.worker.kinds import Kind
 
-_LISTS = frozenset({"techniques", "statistics", "theta_o_deg", "phi_o_deg"})
+_LISTS = frozenset({"techniques", "statistics", "theta_o_deg", "phi_o_deg", "estimators"})
 _NOT_IN_QUERY = frozenset({"parameters", "estimator"})
 _IN_CATALOGUE = ("model", "techniques", "parameters", "zip")
 _QUICK_SERIES = 1000
@@ -28,7 +29,7 @@ def parameter_names(catalogue: Catalogue) -> list[str]:
     return list(dict.fromkeys(name for entry in entries for name in entry.head.parameters))
 
 
-def scene_of_query(query: QueryParams, catalogue: Catalogue, parameters: Collection[str]) -> Scene:
+def scene_of_query(query: QueryParams, kind: Kind, catalogue: Catalogue, parameters: Collection[str]) -> Scene:
     """The scene of a query string; every field is named as in a scene, a parameter by its own name.
 
     Raises BadInput with all that is wrong.
@@ -42,7 +43,7 @@ def scene_of_query(query: QueryParams, catalogue: Catalogue, parameters: Collect
             data["parameters"][name] = split
         elif name == "zip":
             data[name] = [value.split(",") for value in values]
-        elif name in _LISTS & Scene.model_fields.keys():
+        elif name in _LISTS & kind.scene.model_fields.keys():
             data[name] = split
         elif len(values) > 1:
             problems.append(Problem(name, ", ".join(values), "given once"))
@@ -53,28 +54,30 @@ def scene_of_query(query: QueryParams, catalogue: Catalogue, parameters: Collect
             data["theta_o_deg"] = {"count": values[0]}
         elif name in Estimator.model_fields:
             data["estimator"][name] = values[0]
-        elif name in Scene.model_fields.keys() - _NOT_IN_QUERY:
+        elif name in kind.scene.model_fields.keys() - _NOT_IN_QUERY:
             data[name] = values[0]
         else:
             problems.append(Problem(name, ", ".join(values), "no field of this name"))
     if "angles" in query and "theta_o_deg" in query:
         problems.append(Problem("angles", query["angles"], "either angles or theta_o_deg, not both"))
-    return _checked(data, catalogue, problems)
+    return _checked(data, kind, catalogue, problems)
 
 
-async def scene_of_body(request: Request, catalogue: Catalogue) -> Scene:
+async def scene_of_body(request: Request, kind: Kind, catalogue: Catalogue) -> Scene:
     """The scene of a JSON body; raises as `json_of_body` does, and BadInput with all that is wrong."""
-    return scene_of(await json_of_body(request), catalogue)
+    return scene_of(await json_of_body(request), kind, catalogue)
 
 
-def scene_of(data: Any, catalogue: Catalogue) -> Scene:
+def scene_of(data: Any, kind: Kind, catalogue: Catalogue) -> Scene:
     """The scene of plain data. Raises BadInput with all that is wrong."""
-    return _checked(data, catalogue, [])
+    return _checked(data, kind, catalogue, [])
 
 
-def _checked(data: Any, catalogue: Catalogue, problems: list[Problem]) -> Scene:
+def _checked(data: Any, kind: Kind, catalogue: Catalogue, problems: list[Problem]) -> Scene:
     try:
-        scene = parse_scene(data)
+        if not isinstance(data, Mapping):
+            raise BadInput(Problem("scene", data, "an object"))
+        scene = kind.parse(data)
     except BadInput as error:
         problems.extend(error.problems)
     if problems:

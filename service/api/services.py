@@ -21,13 +21,17 @@ from service.errors import Problem
 from service.formats import FORMATS
 from service.jobs.answers import Answers
 from service.jobs.asked import Asked, ask
-from service.jobs.estimates import Costs, Estimate, samples_of
+from service.jobs.estimates import Costs, Estimate
 from service.jobs.running import Jobs
 from service.jobs.store import Store
 from service.scene import Scene
+from service.worker.kinds import KINDS
 from service.worker.lane import Lane, LaneSettings
 
 T = TypeVar("T")
+
+PICTURE_BEAT_TIMEOUT_S = 30.0
+"""The library that draws pictures holds the interpreter while it does: its worker gives no sign of life meanwhile."""
 
 _QUICK_SERIES = 200
 """Questions of more series are checked in a thread; of fewer, at once, which takes less than the switch would."""
@@ -59,7 +63,7 @@ class Services:
                 "beat_timeout_s": settings.beat_timeout_s,
                 "stall_timeout_s": settings.stall_timeout_s,
             }
-            made = Lane(LaneSettings(name, **clocks, **more), lambda name: metrics.restarts.labels(name).inc())
+            made = Lane(LaneSettings(name, **clocks | more), lambda name: metrics.restarts.labels(name).inc())
             metrics.queue.labels(name).set_function(lambda: len(made.waiting))
             return made
 
@@ -67,7 +71,9 @@ class Services:
         # The server itself answers first, then small questions, then pictures and jobs.
         direct = lane("direct", nice=5, limit=settings.queue_limit)
         background = lane("jobs", nice=10, limit=settings.jobs_limit, quantum_s=1.0)
-        encoding = lane("encode", nice=7, limit=settings.queue_limit, with_device=False)
+        encoding = lane(
+            "encode", nice=7, limit=settings.queue_limit, with_device=False, beat_timeout_s=PICTURE_BEAT_TIMEOUT_S
+        )
         costs = Costs()
         answers = Answers(
             store,
@@ -106,7 +112,7 @@ class Services:
             asked = await asyncio.to_thread(ask, kind, scene, self.catalogue, self.direct.device)
         else:
             asked = ask(kind, scene, self.catalogue, self.direct.device)
-        samples = samples_of(asked.question)
+        samples = KINDS[kind].samples(asked.question)
         if samples > self.settings.max_samples:
             limit = self.settings.max_samples
             problem = Problem("estimator.samples", f"{samples} in all cells", f"at most {limit} in all cells")
@@ -125,7 +131,7 @@ class Services:
             return await asyncio.to_thread(self.costs.estimate, asked.kind, asked.question)
         return self.costs.estimate(asked.kind, asked.question)
 
-    async def respond(self, request: Request, kind: str, scene: Scene, chart: str | None = None) -> Response:
+    async def respond(self, request: Request, kind: str, scene: Scene, figure: str | None = None) -> Response:
         """The answer to a question in the format the client wants, or 202 and a job where it takes long."""
         timings = request.scope["state"]["timings"]
         if kind not in self.formats:
@@ -146,7 +152,7 @@ class Services:
             timings |= answered.timings
             self.metrics.device_ms.inc(answered.timings.get("device", 0.0))
         if format_ != "json":
-            encoded = await unless_gone(request, self.answers.encode(asked.key, stored, format_, chart, client))
+            encoded = await unless_gone(request, self.answers.encode(asked.key, stored, format_, figure, client))
             stored = encoded.stored
             timings |= {name: ms for name, ms in encoded.timings.items() if name == "encode"}
         return represent(request, stored, FORMATS[format_].media_type)

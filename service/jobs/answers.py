@@ -101,16 +101,18 @@ class Answers:
             asked.key,
             asked.kind,
             client,
-            lambda: self._run(asked.key, self.device_lane, Task(head, resumable=resumable)),
+            lambda: self._answer(asked, Task(head, resumable=resumable)),
         )
 
-    async def encode(self, key: str, stored: Stored, format_: str, chart: str | None, client: str) -> Answered:
-        """A stored JSON result in another format, stored as well; raises as `compute` does."""
-        encoded_key = f"{key}.{chart or ''}.{format_}"
+    async def encode(self, key: str, stored: Stored, format_: str, figure: str | None, client: str) -> Answered:
+        """A stored JSON result in another format, stored as well; raises as `compute` does. A `figure` of a paper has a
+        chart and a title of its own.
+        """
+        encoded_key = f"{key}.{figure or ''}.{format_}"
         found = await self.find(encoded_key)
         if found is not None:
             return Answered(found, {})
-        head = {"do": "encode", "format": format_, "chart": chart}
+        head = {"do": "encode", "format": format_, "figure": figure}
         return await self._together(
             encoded_key,
             "encode",
@@ -148,6 +150,11 @@ class Answers:
         if flight is not None and not flight.task.cancelled():
             flight.task.exception()
 
+    async def _answer(self, asked: Asked, task: Task) -> Answered:
+        answered = await self._run(asked.key, self.device_lane, task)
+        self.costs.learn(asked.kind, KINDS[asked.kind].samples(asked.question), task.future.result().head)
+        return answered
+
     async def _run(self, key: str, lane: Lane, task: Task) -> Answered:
         lane.submit(task)
         try:
@@ -158,7 +165,6 @@ class Answers:
         finally:
             if not task.future.done() or task.future.cancelled():
                 lane.cancel(task)
-        self.costs.learn(message.head.get("costs", []))
         stored = Stored.of(message.blobs[0])
         self.remember(key, stored)
         self._disk.submit(self._keep, key, stored)

@@ -5,18 +5,21 @@ Before anything was measured a sample counts 40 ns and a cell of the reference 1
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from service.reference_store import missing_references
 from service.scene import Question
+from service.worker.kinds import KINDS
 
 _SAMPLE_NS = 40.0
 _REFERENCE_CELL_MS = 10.0
 _CELL_MS = 0.02
 _SERIES_MS = 5.0
+_LEAST_SAMPLES = 100_000
 _NEWEST = 0.3
+"""Share of the newest measurement in what is known."""
 
 
 @dataclass(frozen=True)
@@ -27,43 +30,34 @@ class Estimate:
     seconds: float
 
 
-def samples_of(question: Question) -> int:
-    """Samples that a question draws in all its cells."""
-    return len(question.series) * len(question.scene.angles_deg) * question.scene.estimator.samples
-
-
 class Costs:
-    """Nanoseconds a sample for every model and technique, and a factor for every kind of question."""
+    """Nanoseconds a sample: of every model and technique for statistics, of each other kind as a whole."""
 
     def __init__(self) -> None:
-        self._sample_ns: dict[tuple[str, str], float] = {}
-        self._factor: dict[str, float] = {}
+        self._sample_ns: dict[tuple[str, ...], float] = {}
 
     def estimate(self, kind: str, question: Question) -> Estimate:
         """Estimate an answer. Reads which references are stored: not for the event loop."""
-        scene = question.scene
-        cells = len(scene.angles_deg)
-        draws_ms = sum(
-            cells * scene.estimator.samples * self._ns(plan.model.name, plan.technique.name) / 1e6 + _SERIES_MS
-            for plan in question.series
-        )
-        missing = missing_references(question) if scene.reference else 0
-        steady_ms = draws_ms * self._factor.get(kind, 1.0) + cells * len(question.series) * _CELL_MS
-        return Estimate(samples_of(question), (steady_ms + missing * _REFERENCE_CELL_MS) / 1e3)
+        samples = KINDS[kind].samples(question)
+        a_series = samples / len(question.series)
+        draws_ms = 0.0
+        for plan in question.series:
+            pair = (plan.model.name, plan.technique.name)
+            known = self._sample_ns.get((kind,), self._sample_ns.get(pair, _SAMPLE_NS))
+            draws_ms += a_series * known / 1e6 + _SERIES_MS
+        cells = len(question.series) * len(question.scene.angles_deg)
+        missing = missing_references(question) if question.scene.reference else 0
+        return Estimate(samples, (draws_ms + cells * _CELL_MS + missing * _REFERENCE_CELL_MS) / 1e3)
 
-    def learn(self, costs: Sequence[Sequence[Any]]) -> None:
-        """Take in what series cost: (model, technique, samples, device milliseconds) each."""
-        for model, technique, samples, device_ms in costs:
-            if samples >= 100_000:
-                fresh = 1e6 * device_ms / samples
-                known = self._sample_ns.get((model, technique), fresh)
-                self._sample_ns[model, technique] = known + _NEWEST * (fresh - known)
+    def learn(self, kind: str, samples: int, head: Mapping[str, Any]) -> None:
+        """Take in what an answer cost, as the worker said it: `costs` of the series of statistics, `busy_ms` in all."""
+        if kind != "statistics":
+            self._blend((kind,), samples, head["busy_ms"])
+        for model, technique, drawn, device_ms in head["costs"]:
+            self._blend((model, technique), drawn, device_ms)
 
-    def learn_kind(self, kind: str, estimate: Estimate, busy_ms: float) -> None:
-        """Take in how long a question of another kind than statistics took, as a multiple of its statistics."""
-        factor = self._factor.get(kind, 1.0)
-        share = busy_ms / 1e3 / max(estimate.seconds, 1e-3)
-        self._factor[kind] = min(1e4, max(1e-2, factor * (1 + _NEWEST * (share - 1))))
-
-    def _ns(self, model: str, technique: str) -> float:
-        return self._sample_ns.get((model, technique), _SAMPLE_NS)
+    def _blend(self, name: tuple[str, ...], samples: int, took_ms: float) -> None:
+        if samples >= _LEAST_SAMPLES:
+            fresh = 1e6 * took_ms / samples
+            known = self._sample_ns.get(name, fresh)
+            self._sample_ns[name] = known + _NEWEST * (fresh - known)

@@ -205,7 +205,7 @@ class Jobs:
         state = "done"
         try:
             message = await live.task.future
-            self._answers.costs.learn(message.head.get("costs", []))
+            self._answers.costs.learn(live.job.kind, live.job.total, message.head)
             stored = Stored.of(message.blobs[0])
             live.job = replace(live.job, done=live.job.total)
             self._answers.remember(live.job.key, await self._answers.on_disk(self._store.finish_job, live.job, stored))

@@ -9,10 +9,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from service.convergence.scene import ConvergenceScene, parse_convergence_scene
 from service.scene import Question, Scene, parse_scene
+
+if TYPE_CHECKING:
+    from service.engine import Engine
+    from service.statistics import Progress
+
+_TIMING_SAMPLES = 10**9
+"""Some tens of seconds on the device."""
 
 
 @dataclass(frozen=True)
@@ -21,7 +28,8 @@ class Kind:
 
     `scene` is what its scenes are, `parse` makes one of plain data, `samples` is how many samples an answer draws.
     `function` is "module:name". A `resumable` one also takes `journal` (see service.statistics): it is interrupted at
-    any launch, shares the device with others, and goes on where it was.
+    any launch, shares the device with others, and goes on where it was. One that is not `routed` is behind a figure
+    only.
     """
 
     name: str
@@ -31,6 +39,7 @@ class Kind:
     samples: Callable[[Question], int]
     function: str
     resumable: bool = False
+    routed: bool = True
 
     @property
     def path(self) -> str:
@@ -58,6 +67,13 @@ def _convergence_samples(question: Question) -> int:
     return _cells(question) * scene.counts[-1] * scene.replicates * len(scene.estimators)
 
 
+def compute_catalogue_timings(question: Question, engine: Engine, progress: Progress) -> dict[str, Any]:
+    """Timings are of the whole catalogue, whatever the question."""
+    from service.convergence import compute_timings
+
+    return compute_timings(engine, progress=progress)
+
+
 KINDS: Mapping[str, Kind] = {
     kind.name: kind
     for kind in (
@@ -78,5 +94,16 @@ KINDS: Mapping[str, Kind] = {
             samples=_convergence_samples,
             function="service.convergence:compute_convergence",
         ),
+        Kind(
+            name="timings",
+            title="What a call costs, for every model and technique",
+            scene=Scene,
+            parse=parse_scene,
+            samples=lambda question: _TIMING_SAMPLES,
+            function="service.worker.kinds:compute_catalogue_timings",
+            routed=False,
+        ),
     )
 }
+
+ROUTED = [kind for kind in KINDS.values() if kind.routed]

@@ -51,7 +51,7 @@ class LaneSettings:
     limit: int = 64
     quantum_s: float = 0.2
     beat_timeout_s: float = 2.0
-    stall_timeout_s: float = 60.0
+    stall_timeout_s: float = 120.0
 
 
 @dataclass(eq=False)

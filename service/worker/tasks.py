@@ -10,6 +10,7 @@ from typing import Any
 
 from service import formats
 from service.engine import Engine
+from service.papers import FIGURES
 from service.sampling import Checkpoint
 from service.scene import Question, parse_scene, resolve
 from service.statistics import compute_statistics, partial_series
@@ -145,14 +146,16 @@ def _encode(toil: Toil) -> Answer:
     """A stored JSON result in another format."""
     head = toil.task.head
     begin = time.perf_counter()
-    chart = head.get("chart")
+    paper = FIGURES.get(head.get("figure") or "")
 
     def draw(result: Any) -> Any:
         from service import figures
 
-        return getattr(figures, f"{chart}_chart")(result)
+        assert paper is not None
+        return getattr(figures, f"{paper.chart}_chart")(result, paper.title)
 
-    content = formats.encode(json.loads(toil.task.blobs[0]), head["format"], draw if chart else None)
+    drawn = paper is not None and paper.chart != "timings"
+    content = formats.encode(json.loads(toil.task.blobs[0]), head["format"], draw if drawn else None)
     return {"timings": {"encode": 1e3 * (time.perf_counter() - begin)}}, (content,)
 
 

@@ -13,6 +13,8 @@ from service.papers import FIGURES, figure_scene
 from service.scene import parse_scene
 
 _ALLOWED = ("samples", "seed")
+_KINDS = {"convergence": "convergence", "timings": "timings"}
+"""Kinds of result by chart, where that is not statistics."""
 
 
 def router(services: Services) -> APIRouter:
@@ -38,7 +40,7 @@ def router(services: Services) -> APIRouter:
         summary="A figure of a paper",
         operation_id="get_figure",
         response_class=Response,
-        responses=documents.answer_responses("statistics") | documents.problems(404),
+        responses=documents.figure_responses(),
         openapi_extra={"parameters": documents.figure_parameters()},
     )
     async def figure(name: str, request: Request) -> Response:
@@ -53,6 +55,6 @@ def router(services: Services) -> APIRouter:
         paper = FIGURES[name]
         checked = parse_scene({"model": "eon", "estimator": given}).estimator
         scene = figure_scene(paper, **checked.model_dump(include=set(given)))
-        return await services.respond(request, "statistics", scene, chart=paper.chart)
+        return await services.respond(request, _KINDS.get(paper.chart, "statistics"), scene, figure=name)
 
     return routes

@@ -17,7 +17,7 @@ from service.api.services import Services, unless_gone
 from service.errors import BadInput, Problem
 from service.formats import FORMATS
 from service.jobs.store import Job
-from service.worker.kinds import KINDS
+from service.worker.kinds import KINDS, ROUTED
 
 LISTED = 100
 
@@ -36,7 +36,7 @@ def router(services: Services) -> APIRouter:
     )
     async def start(request: Request) -> Response:
         kind, scene = _wanted(await json_of_body(request))
-        asked = await services.ask(kind, scene_of(scene, services.catalogue))
+        asked = await services.ask(kind, scene_of(scene, KINDS[kind], services.catalogue))
         return accepted(await services.jobs.submit(asked, await services.estimate(asked)))
 
     @routes.get(
@@ -124,8 +124,9 @@ def _wanted(body: Any) -> tuple[str, Any]:
         raise BadInput(Problem("body", body, 'an object {"kind": ..., "scene": {...}}'))
     problems = [Problem(name, body[name], "no field of this name") for name in body if name not in ("kind", "scene")]
     kind = body.get("kind", "statistics")
-    if not isinstance(kind, str) or kind not in KINDS:
-        problems.append(Problem("kind", kind, "one of " + ", ".join(KINDS)))
+    names = [kind.name for kind in ROUTED]
+    if kind not in names:
+        problems.append(Problem("kind", kind, "one of " + ", ".join(names)))
     if "scene" not in body:
         problems.append(Problem("scene", None, "a value, it is required"))
     if problems:

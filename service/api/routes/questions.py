@@ -7,13 +7,13 @@ from fastapi import APIRouter, Request, Response
 from service.api import documents
 from service.api.queries import parameter_names, scene_of_body, scene_of_query
 from service.api.services import Services
-from service.worker.kinds import KINDS, Kind
+from service.worker.kinds import ROUTED, Kind
 
 
 def router(services: Services) -> APIRouter:
     """Routes of all kinds."""
     routes = APIRouter(tags=["questions"])
-    for kind in KINDS.values():
+    for kind in ROUTED:
         _add(routes, kind, services)
     return routes
 
@@ -22,11 +22,11 @@ def _add(routes: APIRouter, kind: Kind, services: Services) -> None:
     parameters = parameter_names(services.catalogue)
 
     async def ask_by_query(request: Request) -> Response:
-        scene = scene_of_query(request.query_params, services.catalogue, parameters)
+        scene = scene_of_query(request.query_params, kind, services.catalogue, parameters)
         return await services.respond(request, kind.name, scene)
 
     async def ask_by_scene(request: Request) -> Response:
-        return await services.respond(request, kind.name, await scene_of_body(request, services.catalogue))
+        return await services.respond(request, kind.name, await scene_of_body(request, kind, services.catalogue))
 
     responses = documents.answer_responses(kind.name)
     routes.add_api_route(
@@ -37,7 +37,7 @@ def _add(routes: APIRouter, kind: Kind, services: Services) -> None:
         operation_id=f"get_{kind.name}",
         response_class=Response,
         responses=responses,
-        openapi_extra={"parameters": documents.query_parameters(services.catalogue, kind.name)},
+        openapi_extra={"parameters": documents.query_parameters(services.catalogue, kind)},
     )
     routes.add_api_route(
         kind.path,
@@ -49,6 +49,6 @@ def _add(routes: APIRouter, kind: Kind, services: Services) -> None:
         responses=responses | documents.BODY_RESPONSES,
         openapi_extra={
             "parameters": [documents.format_parameter(kind.name), *documents.ANSWER_HEADERS],
-            "requestBody": documents.scene_body(),
+            "requestBody": documents.scene_body(kind),
         },
     )

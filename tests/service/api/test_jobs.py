@@ -112,7 +112,7 @@ def test_a_job_survives_a_restart_of_the_server_and_ends_with_the_same_bits(star
     second = start_server()
     resumed = [line for line in second.lines() if line["message"] == "going on with a job"]
     assert len(resumed) == 1
-    assert resumed[0]["series_begun"] >= 1
+    assert resumed[0]["runs_begun"] >= 1
     if how == "stop":
         assert second.client.get(path).json()["progress"]["done"] >= reached
     second.await_job(path)
