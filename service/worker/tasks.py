@@ -115,10 +115,12 @@ class _Progress:
     def keep(self, run: str, series: int, checkpoint: Checkpoint) -> None:
         head: dict[str, Any] = {"run": run}
         now = time.monotonic()
-        if self._watched and now - self._shown >= PARTIAL_EVERY_S:
+        scene = self._question.scene
+        complete = checkpoint.sums.drawn.sum() >= scene.estimator.samples * len(scene.angles_deg)
+        if self._watched and (complete or now - self._shown >= PARTIAL_EVERY_S):
             self._shown = now
             plan = self._question.series[series]
-            head["partial"] = {"number": series} | partial_series(plan, self._question.scene, checkpoint.sums)
+            head["partial"] = {"number": series} | partial_series(plan, scene, checkpoint.sums)
         self._toil.say("checkpoint", checkpoints.pack(checkpoint), **head)
 
 

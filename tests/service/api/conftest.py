@@ -37,7 +37,15 @@ def direct_answer(session_engine):
     from service.scene import parse_scene, resolve
     from service.statistics import compute_statistics
 
+    known = {}
+
     def compute(scene):
+        name = json.dumps(scene)
+        if name not in known:
+            known[name] = fresh(scene)
+        return known[name]
+
+    def fresh(scene):
         result = compute_statistics(resolve(parse_scene(scene), session_engine.catalogue), session_engine)
         return without_run(json.loads(json.dumps(result)))
 

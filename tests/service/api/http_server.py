@@ -28,10 +28,10 @@ LONG = {
     "parameters": {"roughness": [0.5, 1.0]},
     "techniques": ["cosine", "cltc-mis"],
     "theta_o_deg": {"count": 16},
-    "estimator": {"samples": 2_000_000, "seed": 2},
+    "estimator": {"samples": 1_000_000, "seed": 2},
     "reference": False,
 }
-"""A question of about a second and 32 launches."""
+"""A question of about half a second and 16 launches."""
 
 HUGE = LONG | {"estimator": {"samples": 10**9, "seed": 3}}
 """A question of many minutes."""

@@ -66,9 +66,9 @@ def test_events_tell_progress_and_partial_statistics_that_plot(server):
     done = [data["done"] for data in progress]
     assert done == sorted(done)
     assert len(set(done)) > 8
-    assert done[-1] == progress[-1]["total"] == 4 * 16 * 2_000_000
+    assert done[-1] == progress[-1]["total"] == 4 * 16 * 1_000_000
     partials = [data for name, data in told if name == "partial"]
-    unfinished = [one for one in partials if 0 < min(one["samples"]) < 2_000_000]
+    unfinished = [one for one in partials if 0 < min(one["samples"]) < 1_000_000]
     assert unfinished
     for one in partials:
         assert len(one["theta_o_deg"]) == len(one["mean"]) == len(one["variance"]) == len(one["max_weight"]) == 16

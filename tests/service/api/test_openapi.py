@@ -16,7 +16,7 @@ from schemathesis.specs.openapi import checks as openapi_checks
 
 from service.catalogue import load_catalogue
 
-CASES = int(os.environ.get("SAMPLERSCOPE_TEST_CASES", "15"))
+CASES = int(os.environ.get("SAMPLERSCOPE_TEST_CASES", "8"))
 """Generated requests for each operation; `make bench` asks for many more."""
 
 CHECKS = (

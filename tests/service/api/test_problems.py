@@ -103,7 +103,7 @@ def test_budgets_beyond_the_limits_tell_estimate_and_limit(start_server):
     server = start_server(max_samples=10**6, max_cells=100)
     samples = problem(server.ask(LONG), 422)
     assert samples["type"].endswith(":over-budget")
-    assert samples["estimate"] == 4 * 16 * 2_000_000
+    assert samples["estimate"] == 4 * 16 * 1_000_000
     assert samples["limit"] == 10**6
     cells = problem(server.ask(SMALL | {"parameters": {"roughness": [k / 100 for k in range(51)]}}), 422)
     assert (cells["estimate"], cells["limit"]) == (102, 100)
