@@ -18,6 +18,7 @@ from service.api.metrics import Metrics
 from service.api.problems import HttpError, problem_response, request_id
 
 _ID = re.compile(r"[A-Za-z0-9._-]{1,64}")
+_METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
 _log = logging.getLogger("samplerscope.access")
 
 
@@ -72,7 +73,7 @@ class RequestContext:
 
     def _note(self, scope: Scope, method: str, status: int, elapsed_s: float) -> None:
         route = getattr(scope.get("route"), "path", "other")
-        self._metrics.requests.labels(route, method, str(status)).inc()
+        self._metrics.requests.labels(route, method if method in _METHODS else "other", str(status)).inc()
         self._metrics.duration.labels(route).observe(elapsed_s)
         level = logging.DEBUG if route in ("/healthz", "/readyz", "/metrics") else logging.INFO
         facts: dict[str, Any] = {"method": method, "path": scope["path"], "status": status}

@@ -21,6 +21,9 @@ from service.worker.protocol import Message
 TRIES = 3
 """Workers that a job may lose in a row without getting further."""
 
+CANCEL_S = 10.0
+"""A step that cannot be interrupted may take longer; the job then still says `running`, and ends after it."""
+
 Event = tuple[str, dict[str, Any]]
 _log = logging.getLogger("samplerscope.jobs")
 
@@ -111,12 +114,12 @@ class Jobs:
         return [self._live[job.id].job if job.id in self._live else job for job in jobs]
 
     async def cancel(self, job_id: str) -> Job | None:
-        """Cancel a job, which frees the device after its next launch, and wait until it has. A finished one stays."""
+        """Cancel a job, which frees the device after its next launch, and wait for that. A finished one stays."""
         live = self._live.get(job_id)
         if live is not None:
             self._lane.cancel(live.task)
             if live.runner is not None:
-                await asyncio.wait({live.runner})
+                await asyncio.wait({live.runner}, timeout=CANCEL_S)
         return await self.job(job_id)
 
     async def events(self, job_id: str) -> AsyncIterator[Event | None]:

@@ -89,7 +89,7 @@ class Store:
         self._mutex = threading.Lock()
         try:
             folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-            self._lock = os.open(folder / _LOCK, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+            self._lock: int | None = os.open(folder / _LOCK, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
         except OSError as error:
             raise BadInput(
                 Problem("data_dir", str(folder), f"a folder that can be written ({error.strerror})")
@@ -103,10 +103,12 @@ class Store:
         self.prune()
 
     def close(self) -> None:
-        """Close the file and give the folder free."""
+        """Close the file and give the folder free; again is harmless."""
         with self._mutex:
             self._database.close()
-            os.close(self._lock)
+            if self._lock is not None:
+                os.close(self._lock)
+                self._lock = None
 
     @contextmanager
     def _transaction(self) -> Iterator[sqlite3.Connection]:

@@ -13,6 +13,11 @@ _COUNTS = ("drawn", "zero", "nonfinite", "negative", "first_bad")
 _REALS = ("shift", "largest")
 
 
+def size(checkpoint: Checkpoint) -> int:
+    """Bytes that `pack` would give."""
+    return _HEAD.size + 8 * (len(_COUNTS) + len(_REALS) + 4) * len(checkpoint.sums.drawn)
+
+
 def pack(checkpoint: Checkpoint) -> bytes:
     """The checkpoint as little-endian 64-bit words."""
     sums = checkpoint.sums

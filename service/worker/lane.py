@@ -172,9 +172,10 @@ class Lane:
         _log.error("no worker: %s", error, extra={"lane": self.settings.name})
         self.failure = error
         self._up.set()
-        for task in self.waiting:
+        # A task with more tries waits on until a worker can be started.
+        for task in [waiting for waiting in self.waiting if waiting.tries == 1]:
+            self.waiting.remove(task)
             task.fail(error)
-        self.waiting.clear()
 
     async def _work(self, worker: WorkerProcess) -> None:
         """Give tasks to a worker until it is lost."""
@@ -189,6 +190,10 @@ class Lane:
             self.running = task
             try:
                 lost = await self._do(task, worker, reader)
+            except (KeyError, ValueError, TypeError, IndexError):
+                # What a damaged worker says may be anything; it is replaced like one that says nothing.
+                _log.exception("a worker talks nonsense", extra={"lane": self.settings.name})
+                lost = True
             finally:
                 if not self._closing:
                     self.running = None

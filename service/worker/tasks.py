@@ -21,6 +21,9 @@ from service.worker.protocol import Message
 PARTIAL_EVERY_S = 0.1
 """Partial statistics are sent no more often than this, and always at the end of a series."""
 
+CHECKPOINT_BYTES_A_SECOND = 20e6
+"""Most that is sent as checkpoints: that of 64 angles goes after every launch, larger ones after some."""
+
 Answer = tuple[dict[str, Any], tuple[bytes, ...]]
 
 
@@ -97,6 +100,7 @@ class _Progress:
         self._known = dict(zip(toil.task.head.get("runs", []), toil.task.blobs, strict=True))
         self._watched = toil.task.head.get("partial", False)
         self._shown = 0.0
+        self._kept = 0.0
         self._told = time.monotonic()
 
     def advance(self, name: str, done: int, total: int) -> None:
@@ -115,13 +119,16 @@ class _Progress:
     def keep(self, run: str, series: int, checkpoint: Checkpoint) -> None:
         head: dict[str, Any] = {"run": run}
         now = time.monotonic()
+        due = now - self._kept >= checkpoints.size(checkpoint) / CHECKPOINT_BYTES_A_SECOND
         scene = self._question.scene
         complete = checkpoint.sums.drawn.sum() >= scene.estimator.samples * len(scene.angles_deg)
-        if self._watched and (complete or now - self._shown >= PARTIAL_EVERY_S):
+        if self._watched and (complete or (due and now - self._shown >= PARTIAL_EVERY_S)):
             self._shown = now
             plan = self._question.series[series]
             head["partial"] = {"number": series} | partial_series(plan, scene, checkpoint.sums)
-        self._toil.say("checkpoint", checkpoints.pack(checkpoint), **head)
+        if due or complete or "partial" in head:
+            self._kept = now
+            self._toil.say("checkpoint", checkpoints.pack(checkpoint), **head)
 
 
 class _Journal:
