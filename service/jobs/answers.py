@@ -58,10 +58,15 @@ class Answers:
     _flights: dict[str, _Flight] = field(default_factory=dict)
     _memory: OrderedDict[str, Stored] = field(default_factory=OrderedDict)
     _memory_bytes: int = 0
+    # Keys on disk, and some that were pruned since: what is not among them need not be looked for.
+    _on_disk: set[str] = field(default_factory=set)
     _kept: int = 0
     _clients: Counter[str] = field(default_factory=Counter)
     # SQLite in a thread of its own: the event loop never waits for the disk.
     _disk: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1, "store"))
+
+    def __post_init__(self) -> None:
+        self._on_disk = self.store.keys()
 
     async def on_disk(self, work: Callable[..., Any], *values: Any) -> Any:
         """Call a method of the store in its thread."""
@@ -76,13 +81,18 @@ class Answers:
         if key in self._memory:
             self._memory.move_to_end(key)
             return self._memory[key]
+        if key not in self._on_disk:
+            return None
         found: Stored | None = await self.on_disk(self.store.result, key)
-        if found is not None:
+        if found is None:
+            self._on_disk.discard(key)
+        else:
             self.remember(key, found)
         return found
 
     def remember(self, key: str, stored: Stored) -> None:
-        """Hold an answer in memory, as long as there is room."""
+        """Hold an answer in memory, as long as there is room. It is stored, or about to be."""
+        self._on_disk.add(key)
         if key not in self._memory:
             self._memory[key] = stored
             self._memory_bytes += len(stored.content)

@@ -116,6 +116,11 @@ class Store:
             self._database.execute("BEGIN IMMEDIATE")
             yield self._database
 
+    def keys(self) -> set[str]:
+        """The keys of all stored results."""
+        with self._mutex:
+            return {key for (key,) in self._database.execute("SELECT key FROM result")}
+
     def result(self, key: str) -> Stored | None:
         """The stored bytes of this key."""
         with self._transaction() as database:

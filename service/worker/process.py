@@ -55,7 +55,7 @@ class WorkerProcess:
                 start_new_session=True,
             )
         with contextlib.suppress(OSError):
-            os.setpriority(os.PRIO_PROCESS, process.pid, nice)
+            os.setpriority(os.PRIO_PROCESS, process.pid, os.getpriority(os.PRIO_PROCESS, 0) + nice)
         reader, writer = await asyncio.open_connection(sock=ours)
         worker = cls(process, reader, writer, None)
         worker._log_task = asyncio.create_task(worker._copy_log())
