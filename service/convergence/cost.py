@@ -17,7 +17,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from service.catalogue import Entry, Parameter
+from service.catalogue import Entry
 from service.engine import Engine
 from service.sampling import TIMEOUT_S, IncompleteRun
 
@@ -95,7 +95,8 @@ def _prepared(engine: Engine, loop: Loop, stack: ExitStack) -> Callable[[int], f
     pipeline = engine.pipeline(loop.model, loop.technique, "cost", {0: _TASKS[loop.task]})
     declared = list(engine.catalogue.parameters_of(loop.model, loop.technique).values())
     ranges = stack.enter_context(engine.device.buffer((max(1, len(declared)), 2), np.float32))
-    ranges.array[: len(declared)] = [_range(parameter) for parameter in declared]
+    for row, parameter in zip(ranges.array, declared, strict=False):  # a buffer has at least one row
+        row[:] = parameter.min, parameter.max - parameter.min
     results = stack.enter_context(engine.device.buffer((GROUPS * LANES, 2), np.float32))
     threads = engine.device.info.threads or 1
 
@@ -107,10 +108,6 @@ def _prepared(engine: Engine, loop: Loop, stack: ExitStack) -> Callable[[int], f
         return spent.total_ns * threads / (CALLS * GROUPS * LANES)
 
     return run
-
-
-def _range(parameter: Parameter) -> tuple[float, float]:
-    return parameter.min, parameter.max - parameter.min
 
 
 def _same_pace(raw: Array) -> Array:

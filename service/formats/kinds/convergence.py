@@ -115,7 +115,7 @@ def _ranking(result: Result) -> str:
 
 def _efficiency(table: Mapping[str, Any]) -> str:
     """Who wins at each angle and set of parameters, and by what factor over the second."""
-    if table["lead"] is None:
+    if len(table["techniques"]) < 2:
         return ""
     varied = [name for name in table["parameters"][0] if len({row[name] for row in table["parameters"]}) > 1]
     head = [*varied, *(f"{angle:g} deg" for angle in table["theta_o_deg"])]
@@ -124,11 +124,17 @@ def _efficiency(table: Mapping[str, Any]) -> str:
         grid.append(
             [
                 *(f"{row[name]:.6g}" for name in varied),
-                *(f"{_short(name)} {lead:.2g}x" for name, lead in zip(winners, leads, strict=True)),
+                *(_won(name, lead) for name, lead in zip(winners, leads, strict=True)),
             ]
         )
     title = "most efficient, 1 / (relative variance x time), and its lead over the second"
     return f"{title}\n{_grid(grid)}"
+
+
+def _won(name: str | None, lead: float | None) -> str:
+    if name is None:
+        return "-"
+    return _short(name) if lead is None else f"{_short(name)} {lead:.2g}x"
 
 
 def _short(name: str) -> str:

@@ -113,6 +113,12 @@ def test_efficiency_is_a_whole_table_with_a_winner_in_every_place(result):
     assert np.isnan(values[1:, table["techniques"].index("ltc")]).all()
 
 
+def test_a_lone_technique_with_infinite_variance_wins_nothing(study):
+    table = study(techniques="ltc", estimators=["quadrature"], theta_o_deg=[45])["efficiency"]
+    assert table["winner"][1] == [None] * len(table["theta_o_deg"])
+    assert table["lead"][1] == [None] * len(table["theta_o_deg"])
+
+
 def test_the_result_is_plain_json(result):
     assert json.loads(json.dumps(result, allow_nan=False)) == result
 
