@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from lavapipe import Buffer, Device, Pipeline
 from service.engine import Engine
+from service.estimators.cubature import Goal, Integrals, Values, integrate
 from service.estimators.estimate import Estimate
-from service.estimators.panels import NODES, POINTS, SIDE, Array, Goal, Integrals, Panels, Values, integrate
+from service.estimators.panels import NODES, POINTS, SIDE, Array, Panels
 from service.moments import Statistics
 from service.sampling import CELL, TIMEOUT_S, Cells, cell_table
 from service.scene import Estimator, SeriesPlan

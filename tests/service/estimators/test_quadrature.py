@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.estimators import panels
+from service.estimators.cubature import Goal, Values, integrate
+from service.estimators.panels import POINTS
 
 CONVERGENT = ["cosine", "uniform", "ltc-nonnegative", "cltc-mis"]
 ROUNDING = 2e-6  # of a variance summed from float32 weights
@@ -72,11 +73,11 @@ def test_powers_of_u_are_integrated_to_their_exact_values():
 
     def evaluate(given):
         low, width = given.corner[:, None, :2], given.corner[:, None, 2:]
-        grid = np.stack([np.repeat(panels.POINTS, 8), np.tile(panels.POINTS, 8)], axis=1)
+        grid = np.stack([np.repeat(POINTS, 8), np.tile(POINTS, 8)], axis=1)
         u = low + width * grid
-        return panels.Values(u[..., 0] ** 2 * u[..., 1], np.zeros(1))
+        return Values(u[..., 0] ** 2 * u[..., 1], np.zeros(1))
 
-    found = panels.integrate(1, False, panels.Goal(1e-8, 1e-9, np.array([True]), 1 << 20), evaluate)
+    found = integrate(1, False, Goal(1e-8, 1e-9, np.array([True]), 1 << 20), evaluate)
     exact = [1 / ((2 * k + 1) * (k + 1)) for k in range(1, 5)]
     c, (a, b, third, _) = found.shift, found.powers[:, 0]
     assert np.isclose(c + a, exact[0], rtol=1e-12)
@@ -88,11 +89,11 @@ def test_a_jump_on_a_slanted_line_is_enclosed(compute):
     """The indicator of u1 + u2 < 0.7 has mean 0.245; its panels can only shrink around the line."""
 
     def evaluate(given):
-        grid = np.stack([np.repeat(panels.POINTS, 8), np.tile(panels.POINTS, 8)], axis=1)
+        grid = np.stack([np.repeat(POINTS, 8), np.tile(POINTS, 8)], axis=1)
         u = given.corner[:, None, :2] + given.corner[:, None, 2:] * grid
-        return panels.Values((u.sum(axis=-1) < 0.7).astype(float), np.zeros(1))
+        return Values((u.sum(axis=-1) < 0.7).astype(float), np.zeros(1))
 
-    found = panels.integrate(1, False, panels.Goal(1e-2, 1e-9, np.array([True]), 1 << 20), evaluate)
+    found = integrate(1, False, Goal(1e-2, 1e-9, np.array([True]), 1 << 20), evaluate)
     mean = (found.shift + found.powers[0])[0]
     assert abs(mean - 0.245) <= found.mean_error[0] <= 0.01
     assert found.converged[0]
@@ -101,10 +102,10 @@ def test_a_jump_on_a_slanted_line_is_enclosed(compute):
 def test_a_logarithmic_divergence_is_seen_and_a_root_is_not_called_one():
     def run(function):
         def evaluate(given):
-            u1 = given.corner[:, None, 0] + given.corner[:, None, 2] * np.repeat(panels.POINTS, 8)
-            return panels.Values(function(u1), np.zeros(1))
+            u1 = given.corner[:, None, 0] + given.corner[:, None, 2] * np.repeat(POINTS, 8)
+            return Values(function(u1), np.zeros(1))
 
-        return panels.integrate(1, False, panels.Goal(1e-4, 1e-9, np.array([True]), 1 << 18), evaluate)
+        return integrate(1, False, Goal(1e-4, 1e-9, np.array([True]), 1 << 18), evaluate)
 
     assert run(lambda u: u**-0.5).growing[0]
     tame = run(lambda u: u**-0.25)
