@@ -21,7 +21,7 @@ from service.errors import SamplerscopeError
 from service.random_numbers import BLOCK_SAMPLES
 
 LANES = 64
-PILOT_SAMPLES = 64
+PILOT_SAMPLES = 2 * LANES
 LAUNCH_BLOCKS = 256  # 4 M samples: tens of milliseconds, so that progress and cancelling are prompt
 LAUNCHES_IN_FLIGHT = 2  # the host adds one launch while the device draws the next
 TIMEOUT_S = 600.0
@@ -192,14 +192,15 @@ class Sampler:
                 submission.close()
 
     def _pilot(self, samples: int) -> NDArray[np.float64]:
-        """The median of every cell's first weights: the shift of its power sums."""
+        """The shift of every cell's power sums: the median over lanes of the mean of a lane's first two weights."""
         self._cells.array["shift"] = 0.0
         shifts = np.empty(self._count)
         for first in range(0, self._count, LAUNCH_BLOCKS):
             launch = _Launch(first, min(LAUNCH_BLOCKS, self._count - first), 0, 1)
             self._submit(launch, samples, self._outputs[0]).wait(TIMEOUT_S)
-            weights = _view(self._outputs[0][0], launch)[0, :, 0, :samples]
-            shifts[first : first + launch.cells] = np.median(weights, axis=1)
+            lanes = -(-samples // 2)
+            weights, drawn = (_view(buffer, launch)[0, :, 0, :lanes] for buffer in self._outputs[0])
+            shifts[first : first + launch.cells] = np.median(weights / drawn, axis=1)
         return shifts.astype(np.float32).astype(np.float64)
 
     def _submit(self, launch: _Launch, samples: int, outputs: tuple[Buffer, Buffer]) -> Submission:
