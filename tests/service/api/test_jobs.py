@@ -136,3 +136,23 @@ def test_a_watcher_that_goes_away_leaves_the_job_running(server):
     path = server.start_job(seeded(LONG, 59))
     assert len(events(server, path, most=2)) == 2
     assert server.await_job(path)["state"] == "done"
+
+
+def test_convergence_is_a_job_whose_result_then_answers_the_question(server):
+    link = (
+        "/v1/convergence?model=eon&techniques=cosine&theta_o_deg=0,45&samples=512&reference=false"
+        "&estimators=mc&replicates=32&target_error=0.1"
+    )
+    reply = server.client.get(link)
+    assert reply.status_code == 202
+    assert server.await_job(reply.headers["location"])["kind"] == "convergence"
+    answer = server.client.get(link)
+    assert answer.status_code == 200
+    result = answer.json()
+    assert (result["kind"], result["target_error"]) == ("convergence", 0.1)
+    assert [one["technique"] for one in result["series"]] == ["cosine"]
+    assert len(result["series"][0]["theta_o_deg"]) == 2
+    wrong = server.client.get(
+        link.replace("replicates=32", "replicates=2").replace("target_error=0.1", "target_error=7")
+    )
+    assert {error["field"] for error in wrong.json()["errors"]} == {"replicates", "target_error"}
