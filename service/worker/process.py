@@ -16,6 +16,7 @@ from service.worker import protocol
 from service.worker.protocol import Message
 
 START_S = 60.0
+_LOG_BYTES = 1 << 16
 _log = logging.getLogger("samplerscope.worker")
 
 
@@ -99,6 +100,6 @@ class WorkerProcess:
     async def _copy_log(self) -> None:
         """What the driver and the interpreter print becomes lines of the server's log."""
         assert self.process.stderr is not None
-        with contextlib.suppress(ValueError):
-            async for line in self.process.stderr:
-                _log.warning(line.decode(errors="replace").rstrip(), extra={"worker": self.process.pid})
+        while chunk := await self.process.stderr.read(_LOG_BYTES):
+            for line in chunk.decode(errors="replace").splitlines():
+                _log.warning("%s", line, extra={"worker": self.process.pid})
