@@ -1,7 +1,9 @@
 """Long questions become jobs: watched, cancelled, and gone on with after a restart."""
 
 import json
+import sqlite3
 import time
+from contextlib import closing
 
 import httpx
 import pytest
@@ -108,6 +110,9 @@ def test_a_job_survives_a_restart_of_the_server_and_ends_with_the_same_bits(star
     if how == "stop":
         assert first.stop() == 0
     else:
+        with closing(sqlite3.connect(first.folder / "data" / "results-1.sqlite3")) as database:
+            while database.execute("SELECT COUNT(*) FROM checkpoint").fetchone() == (0,):
+                time.sleep(0.005)
         first.kill()
     second = start_server()
     resumed = [line for line in second.lines() if line["message"] == "going on with a job"]

@@ -41,8 +41,8 @@ class SeriesJournal:
 @pytest.mark.parametrize(
     "estimator",
     [
-        {"samples": 1_000_000, "seed": 7},
-        {"samples": 500_000, "seed": 7, "method": "qmc"},
+        {"samples": 8_000_000, "seed": 7},
+        {"samples": 8_000_000, "seed": 7, "method": "qmc"},
         {"tolerance": 0.02, "seed": 7, "method": "mc"},
     ],
     ids=["mc", "qmc", "tolerance"],
@@ -51,7 +51,7 @@ def test_an_interrupted_run_ends_with_the_same_bits(engine, estimator):
     scene = {
         "model": "eon",
         "techniques": ["cosine", "cltc-mis"],
-        "theta_o_deg": {"count": 24},
+        "theta_o_deg": [0.0, 45.0, 88.0],
         "estimator": estimator,
         "reference": False,
     }
@@ -64,7 +64,7 @@ def test_an_interrupted_run_ends_with_the_same_bits(engine, estimator):
         except Interruption:
             interruptions += 1
     whole = compute_statistics(question, engine)
-    assert interruptions >= 4
+    assert interruptions >= 3
     assert without_run(json.loads(json.dumps(result))) == without_run(json.loads(json.dumps(whole)))
 
 
