@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
 import click
 
 from service.cli.commands.stats import statistics_of
 from service.cli.delivery import deliver
 from service.cli.options import given, integer, output_options
+
+if TYPE_CHECKING:
+    from service.figures import AnyChart
 
 
 @click.command()
@@ -27,4 +33,11 @@ def figure(
 
     paper = paper_figure(name)
     scene = figure_scene(paper, **given(samples=integer("samples", samples), seed=integer("seed", seed)))
-    deliver(lambda: statistics_of(scene, device), format_, outputs, chart=paper.chart)
+
+    def draw(result: Mapping[str, Any]) -> AnyChart:
+        from service import figures
+
+        charts = {"statistics": figures.statistics_chart, "roughness": figures.roughness_chart}
+        return charts[paper.chart](result, paper.title)
+
+    deliver(lambda: statistics_of(scene, device), format_, outputs, draw)
