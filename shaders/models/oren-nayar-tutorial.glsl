@@ -25,8 +25,26 @@ float polar_term(vec3 wi, vec3 wo) {
     return max(wi.z * wo.z + sine_i * sine_o, 0.0) * sine_i * sine_o / max(wi.z, wo.z);
 }
 
+float amplitude() {
+    return 1.0 - 0.5 * roughness_ratio(sigma, 0.57);
+}
+
+float slope() {
+    return 0.45 * roughness_ratio(sigma, 0.09);
+}
+
 float brdf(vec3 wi, vec3 wo) {
-    float a = 1.0 - 0.5 * roughness_ratio(sigma, 0.57);
-    float b = 0.45 * roughness_ratio(sigma, 0.09);
-    return min(wi.z, wo.z) > 0.0 ? albedo * INV_PI * (a + b * polar_term(wi, wo)) : 0.0;
+    float f = albedo * INV_PI * (amplitude() + slope() * polar_term(wi, wo));
+    return min(wi.z, wo.z) > 0.0 ? f : 0.0;
+}
+
+// The polar term times sin cos, integrated over the angle of wi from the normal to that of wo, and from there on.
+float directional_albedo(float mu) {
+    float c = clamp(mu, 0.0, 1.0);
+    float s = sqrt((1.0 - c) * (1.0 + c));
+    float theta = HALF_PI - arcsine(c);
+    float steeper = s * (c * s * s * s / 3.0 + s * (0.666666666666667 - c + c * c * c / 3.0));
+    float sine_of_four = 4.0 * s * c * (1.0 - 2.0 * s * s);
+    float lower = s * (0.19634954084936207 - 0.125 * theta + sine_of_four / 32.0) + 0.25 * s * s * c * (1.0 + s * s);
+    return albedo * (amplitude() + 2.0 * slope() * (steeper + lower));
 }
