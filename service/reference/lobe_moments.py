@@ -35,7 +35,8 @@ SLOWEST = 1e-6  # a power of the distance to the rim this close to the edge of c
 UNSEEN = 1e-64  # a tail that holds this share of the squared mean is not seen by any number of samples
 LARGEST = 1e290  # float64 squares overflow not far above: moments and weights beyond it are called infinite
 DEEP = 300.0  # zeta at which the last powers are read: mixtures change theirs where one density takes over from another
-STARTS, NEAR_BEST, ZOOMS, GRID = 128, 0.95, 10, 9
+STARTS, NEAR_BEST, ZOOMS, GRID = 64, 0.95, 10, 9
+BESIDE_ORIGIN = 1e-7  # zeta
 
 
 @dataclass(frozen=True)
@@ -189,11 +190,11 @@ def supremum(found: LobeIntegrals) -> float:
         patches = patches.join(more)
     line, reach = np.linspace(0.0, 1.0, GRID), 1.0 / (GRID - 1)
     v, u, best = _best(found.rays, patches, line[:, None], line)
-    # All patches around the origin share it, and the maximum may hide beside it in one of them.
     starts = np.argsort(best)[-STARTS:]
     starts = starts[best[starts] >= NEAR_BEST * best[starts[-1]]]
     patches, v, u = patches.take(starts), v[starts], u[starts]
-    highest = float(np.max(best))
+    origin = Field.at(found.rays, np.zeros(1), found.rays.plane.turns[:1], np.ones(1))
+    highest = max(float(np.max(best)), float(origin.weight[0]))
     for _ in range(ZOOMS):
         near_v = np.clip(v + reach * (2.0 * line[:, None] - 1.0), 0.0, 1.0)
         near_u = np.clip(u + reach * (2.0 * line[None, :] - 1.0), 0.0, 1.0)
@@ -203,9 +204,12 @@ def supremum(found: LobeIntegrals) -> float:
 
 
 def _best(rays: Rays, patches: Patches, v: Array, u: Array) -> tuple[Array, Array, Array]:
-    """Place (P, 1, 1) and weight (P,) of the best point of a grid on every patch."""
+    """Place (P, 1, 1) and weight (P,) of the best point of a grid on every patch.
+
+    Beside the origin, not at it, where all psi are one and nothing says which way the weight grows.
+    """
     zeta, psi, area = coordinates(rays, patches, v, u)
-    weight = Field.at(rays, zeta, psi, area).weight.reshape(len(patches), -1)
+    weight = Field.at(rays, np.maximum(zeta, BESIDE_ORIGIN), psi, area).weight.reshape(len(patches), -1)
     each, at = np.arange(len(patches)), np.argmax(weight, axis=1)
     row, column = np.divmod(at, GRID)
     best_v = np.broadcast_to(v, (len(patches), GRID, 1))[each, row, 0]

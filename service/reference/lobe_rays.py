@@ -119,7 +119,9 @@ class Rays:
             middle = 0.5 * (low + high)
             same = (surface(self.at(middle, psi[..., None])[0]) > 0.0) == start
             low, high = np.where(same, middle, low), np.where(same, high, middle)
-        return np.where(change.any(axis=-1)[..., None], high, grid[np.argmin(np.abs(value), axis=-1)][..., None])
+        return np.asarray(
+            np.where(change.any(axis=-1)[..., None], high, grid[np.argmin(np.abs(value), axis=-1)][..., None])
+        )
 
 
 def _side(wo: Array, normal_x: float, normal_z: float) -> Surface:
