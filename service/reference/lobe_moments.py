@@ -35,7 +35,7 @@ SLOWEST = 1e-6  # a power of the distance to the rim this close to the edge of c
 UNSEEN = 1e-64  # a tail that holds this share of the squared mean is not seen by any number of samples
 LARGEST = 1e290  # float64 squares overflow not far above: moments and weights beyond it are called infinite
 DEEP = 300.0  # zeta at which the last powers are read: mixtures change theirs where one density takes over from another
-STARTS, NEAR_BEST, ZOOMS, GRID = 64, 0.95, 10, 9
+STARTS, NEAR_BEST, ZOOMS, GRID = 32, 0.8, 20, 9
 BESIDE_ORIGIN = 1e-7  # zeta
 
 
@@ -199,7 +199,7 @@ def supremum(found: LobeIntegrals) -> float:
         near_v = np.clip(v + reach * (2.0 * line[:, None] - 1.0), 0.0, 1.0)
         near_u = np.clip(u + reach * (2.0 * line[None, :] - 1.0), 0.0, 1.0)
         v, u, best = _best(found.rays, patches, near_v, near_u)
-        highest, reach = max(highest, float(np.max(best))), 2.0 * reach / (GRID - 1)
+        highest, reach = max(highest, float(np.max(best))), 0.5 * reach
     return highest
 
 
