@@ -4,7 +4,7 @@ import time
 
 import pytest
 
-from lavapipe import Cache, CompileError, DeviceNotFound, InvalidArgument, compile_glsl, read_module
+from lavapipe import Cache, CompileError, DeviceNotFound, InvalidArgument, compile_glsl, compiler, read_module
 
 HEAD = "#version 450\nlayout(local_size_x = 1) in;\n"
 MAIN = "void main() {}\n"
@@ -162,4 +162,21 @@ def test_malformed_text_is_a_compile_error_at_its_line(source: str) -> None:
 def test_missing_compiler_is_one_clear_line(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", "/nowhere")
     with pytest.raises(DeviceNotFound, match=r"^glslangValidator is not installed: run lavapipe/install\.sh$"):
+        compile_glsl(HEAD + MAIN, cache=Cache.disabled())
+
+
+def test_what_is_in_the_cache_needs_no_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
+    spirv = compile_glsl(HEAD + MAIN)
+    monkeypatch.setenv("PATH", "/nowhere")
+    assert compile_glsl(HEAD + MAIN) == spirv
+
+
+def test_another_compiler_compiles_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    compile_glsl(HEAD + MAIN)
+    calls = []
+    run = compiler._run
+    monkeypatch.setattr(compiler, "_identity", lambda path: b"another")
+    monkeypatch.setattr(compiler, "_run", lambda *arguments: calls.append(1) or run(*arguments))
+    for _ in range(2):
         compile_glsl(HEAD + MAIN)
+    assert len(calls) == 1
