@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 Column = list[Any]
@@ -154,18 +154,24 @@ def parameter_names(series: Sequence[Series]) -> list[str]:
 
 
 def swept(series: Sequence[Series]) -> dict[str, str]:
-    """Return what distinguishes series of one technique: parameter (or `phi_o_deg`) -> its name in print."""
-    names = {
-        name: name for name in parameter_names(series) if len({repr(one.parameters.get(name)) for one in series}) > 1
-    }
-    if len({repr(one.raw.get("phi_o_deg")) for one in series}) > 1:
+    """Return what distinguishes series of one technique: model, parameter or `phi_o_deg` -> its name in print."""
+    groups: dict[tuple[str, str], list[Series]] = {}
+    for one in series:
+        groups.setdefault((one.model, one.technique), []).append(one)
+
+    def varies(values: Callable[[Series], Any]) -> bool:
+        return any(len({repr(values(one)) for one in group}) > 1 for group in groups.values())
+
+    names = {"model": "model"} if len({one.model for one in series}) > 1 else {}
+    names |= {name: name for name in parameter_names(series) if varies(lambda one, name=name: one.parameters.get(name))}
+    if varies(lambda one: one.raw.get("phi_o_deg")):
         names["phi_o_deg"] = "phi_o_deg"
     return names
 
 
 def swept_value(one: Series, name: str) -> str:
     """Return the value of a swept parameter as it is printed; `-` where the series does not have it."""
-    value = one.raw.get("phi_o_deg") if name == "phi_o_deg" else one.parameters.get(name)
+    value = one.raw.get(name) if name in ("model", "phi_o_deg") else one.parameters.get(name)
     if isinstance(value, Sequence) and not isinstance(value, str):
         value = value[0] if value else None
     if isinstance(value, int | float) and not isinstance(value, bool):
