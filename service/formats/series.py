@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 Column = list[Any]
@@ -159,14 +159,12 @@ def swept(series: Sequence[Series]) -> dict[str, str]:
     for one in series:
         groups.setdefault((one.model, one.technique), []).append(one)
 
-    def varies(values: Callable[[Series], Any]) -> bool:
-        return any(len({repr(values(one)) for one in group}) > 1 for group in groups.values())
+    def varies(name: str) -> bool:
+        return any(len({swept_value(one, name) for one in group}) > 1 for group in groups.values())
 
-    names = {"model": "model"} if len({one.model for one in series}) > 1 else {}
-    names |= {name: name for name in parameter_names(series) if varies(lambda one, name=name: one.parameters.get(name))}
-    if varies(lambda one: one.raw.get("phi_o_deg")):
-        names["phi_o_deg"] = "phi_o_deg"
-    return names
+    names = ["model"] if len({one.model for one in series}) > 1 else []
+    names += [name for name in (*parameter_names(series), "phi_o_deg") if varies(name)]
+    return {name: name for name in names}
 
 
 def swept_value(one: Series, name: str) -> str:

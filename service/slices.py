@@ -1,0 +1,71 @@
+"""Slices of BRDFs: values in the plane of the view, over the angle of the light, as the device evaluates them."""
+
+from __future__ import annotations
+
+import math
+import struct
+import time
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from service.engine import Engine
+
+_INPUT = np.dtype([("view", "<f4", 4), ("value", "<f4", 4)])
+TIMEOUT_S = 60.0
+
+
+def compute_slices(
+    engine: Engine, models: Mapping[str, Mapping[str, float]], theta_o_deg: Sequence[float], count: int = 181
+) -> dict[str, Any]:
+    """f cos(theta_i) of each model, with its parameters, for each view angle: a result of kind `slices`.
+
+    The light's angle runs from -90 to 90 degrees within the plane of the view; it is positive on the view's side.
+    Parameters that are not given have their default.
+    """
+    begin = time.perf_counter()
+    theta_i_deg = np.linspace(-90.0, 90.0, count)
+    series = []
+    for name, given in models.items():
+        declared = engine.catalogue.model(name).head.parameters
+        parameters = {key: float(given.get(key, parameter.default)) for key, parameter in declared.items()}
+        for angle in theta_o_deg:
+            values = _brdf_in_plane(engine, name, parameters, math.radians(angle), np.radians(theta_i_deg))
+            cosines = np.maximum(np.cos(np.radians(theta_i_deg)), 0.0)
+            series.append(
+                {
+                    "model": name,
+                    "parameters": parameters,
+                    "theta_o_deg": float(angle),
+                    "theta_i_deg": theta_i_deg.tolist(),
+                    "value": (values * cosines).tolist(),
+                }
+            )
+    info = engine.device.info
+    run = {"device": info.name, "driver": info.driver_version, "elapsed_ms": 1e3 * (time.perf_counter() - begin)}
+    return {"kind": "slices", "series": series, "run": run}
+
+
+def _brdf_in_plane(
+    engine: Engine, model: str, parameters: Mapping[str, float], theta_o: float, theta_i: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Values in 1/sr of directions in the x-z plane, of which x > 0 is the view's side."""
+    entry, technique = engine.catalogue.model(model), engine.catalogue.technique("cosine")
+    pipeline = engine.pipeline(entry, technique, "probe", {0: False})
+    table = np.zeros(len(theta_i), _INPUT)
+    table["view"][:, :3] = math.sin(theta_o), 0.0, math.cos(theta_o)
+    table["value"][:, 0], table["value"][:, 2] = np.sin(theta_i), np.cos(theta_i)
+    rows = np.tile(np.array(list(parameters.values()), np.float32), len(theta_i))
+    with (
+        engine.device.buffer((len(table),), _INPUT) as inputs,
+        engine.device.buffer((len(rows),), np.float32) as values,
+        engine.device.buffer((len(table), 8), np.float32) as outputs,
+    ):
+        inputs.array[:], values.array[:] = table, rows
+        commands = engine.device.record()
+        groups = (-(-len(table) // 64), 1, 1)
+        commands.dispatch(pipeline, [inputs, values, outputs], groups, push_constants=struct.pack("<I", len(table)))
+        commands.submit().wait(TIMEOUT_S)
+        return np.asarray(outputs.array[:, 4], np.float64)
