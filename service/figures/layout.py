@@ -19,6 +19,8 @@ Datasets = dict[str, list[points.Row]]
 
 _CHARACTERS_A_PANEL = 64
 
+_MOST_BEYOND_SAMPLED = 1e6
+
 _NO_LIMIT = {"variance": "infinite variance", "max_weight": "unbounded weight"}
 
 
