@@ -32,7 +32,7 @@ def compute_slices(
         declared = engine.catalogue.model(name).head.parameters
         parameters = {key: float(given.get(key, parameter.default)) for key, parameter in declared.items()}
         for angle in theta_o_deg:
-            values = _brdf_in_plane(engine, name, parameters, math.radians(angle), np.radians(theta_i_deg))
+            values, _ = values_in_plane(engine, name, parameters, math.radians(angle), np.radians(theta_i_deg))
             cosines = np.maximum(np.cos(np.radians(theta_i_deg)), 0.0)
             series.append(
                 {
@@ -48,10 +48,13 @@ def compute_slices(
     return {"kind": "slices", "series": series, "run": run}
 
 
-def _brdf_in_plane(
+def values_in_plane(
     engine: Engine, model: str, parameters: Mapping[str, float], theta_o: float, theta_i: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Values in 1/sr of directions in the x-z plane, of which x > 0 is the view's side."""
+) -> tuple[NDArray[np.float64], float]:
+    """BRDF in 1/sr for directions in the x-z plane, of which x > 0 is the view's side, and the model's own albedo.
+
+    Angles are radians; the albedo is 0 where the model declares none.
+    """
     entry, technique = engine.catalogue.model(model), engine.catalogue.technique("cosine")
     pipeline = engine.pipeline(entry, technique, "probe", {0: False})
     table = np.zeros(len(theta_i), _INPUT)
@@ -68,4 +71,4 @@ def _brdf_in_plane(
         groups = (-(-len(table) // 64), 1, 1)
         commands.dispatch(pipeline, [inputs, values, outputs], groups, push_constants=struct.pack("<I", len(table)))
         commands.submit().wait(TIMEOUT_S)
-        return np.asarray(outputs.array[:, 4], np.float64)
+        return np.asarray(outputs.array[:, 4], np.float64), float(outputs.array[0, 7])
