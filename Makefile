@@ -5,7 +5,7 @@ OUT := out
 COMPILE := $(BIN)/uv pip compile --quiet --upgrade --generate-hashes --python-version 3.11 --custom-compile-command 'make lock'
 
 .DEFAULT_GOAL := help
-.PHONY: help setup stats figures test lint container container-test lock clean
+.PHONY: help setup stats figures test lint container container-test lock clean docs
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 12
@@ -28,6 +28,9 @@ figures: setup  ## every figure of the papers, as PNG, SVG, Vega-Lite and JSON i
 	    $(BIN)/samplerscope figure $$name -o $(OUT)/$$name.png -o $(OUT)/$$name.svg \
 	        -o $(OUT)/$$name.vl.json -o $(OUT)/$$name.json || exit; \
 	done
+
+docs: setup  ## write docs/models.md from the heads of the shader files and from the reference
+	$(BIN)/python -m service.models_page docs/models.md
 
 test: setup  ## prove it right, on the real driver
 	$(BIN)/pytest

@@ -12,10 +12,8 @@ MODELS = (
     *("kurt-plausible", "kurt", "kurt-coupled", "kurt-multilobe", "ward", "ward-duer"),
     *("ashikhmin-shirley", "cook-torrance", "blinn-phong"),
 )
-OWN = {
-    **dict.fromkeys(MODELS, "beckmann-half-vector"),
-    **{name: name for name in ("kurt-multilobe", "ashikhmin-shirley", "blinn-phong")},
-}
+OWN = dict.fromkeys(MODELS, "beckmann-half-vector")
+OWN |= {name: name for name in ("kurt-multilobe", "ashikhmin-shirley", "blinn-phong")}
 KURT = {"kd": 0.0, "ks": 1.0, "f0": 1.0, "mx": 0.3, "my": 0.3, "alpha": 0.0}
 
 
