@@ -5,7 +5,7 @@ OUT := out
 COMPILE := $(BIN)/uv pip compile --quiet --upgrade --generate-hashes --python-version 3.11 --custom-compile-command 'make lock'
 
 .DEFAULT_GOAL := help
-.PHONY: help setup stats figures test lint container container-test lock clean docs
+.PHONY: help setup stats figures test lint bench-http container container-test lock clean docs
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 12
@@ -24,7 +24,7 @@ stats: setup  ## the main job: six techniques of EON over 64 angles; table here,
 
 figures: setup  ## every figure of the papers, as PNG, SVG, Vega-Lite and JSON in out/
 	$(BIN)/samplerscope figure eon-table-1 -o $(OUT)/eon-table-1.txt -o $(OUT)/eon-table-1.json
-	for name in eon-11 eon-13 eon-convergence; do \
+	for name in eon-3 eon-6 eon-7 eon-11 eon-13 eon-convergence kurt-2 kurt-3 kurt-sampling; do \
 	    $(BIN)/samplerscope figure $$name -o $(OUT)/$$name.png -o $(OUT)/$$name.svg \
 	        -o $(OUT)/$$name.vl.json -o $(OUT)/$$name.json || exit; \
 	done
@@ -39,6 +39,10 @@ lint: setup  ## style and types
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+bench-http: setup  ## load on the HTTP service, and thousands of generated requests; minutes
+	$(BIN)/python -m tests.benchmarks.http_load
+	SAMPLERSCOPE_TEST_CASES=300 $(BIN)/pytest -s --timeout 1800 tests/service/api/test_openapi.py
 
 container:  ## build the image, with docker or else with buildah
 	.ci/container

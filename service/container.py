@@ -17,14 +17,21 @@ CACHES = ("SAMPLERSCOPE_CACHE_DIR", "MESA_SHADER_CACHE_DIR")
 
 
 def main() -> None:
-    """Seed the caches and hand over to the command line.
+    """The command line, and two words of the image's own.
 
-    Two words are the image's own: `warm` fills the caches when it is built, `healthy` is its health check.
+    `warm` fills the caches when the image is built, `healthy` is its health check.
     """
-    if sys.argv[1:] == ["warm"]:
-        return warm()
-    if sys.argv[1:] == ["healthy"]:
-        sys.exit(0 if healthy(int(os.environ["SAMPLERSCOPE_PORT"])) else 1)
+    match sys.argv[1:]:
+        case ["warm"]:
+            warm()
+        case ["healthy"]:
+            sys.exit(0 if healthy(int(os.environ["SAMPLERSCOPE_PORT"])) else 1)
+        case _:
+            run()
+
+
+def run() -> None:
+    """Seed the caches from the image's own, and do what the arguments say."""
     baked = os.environ.get("SAMPLERSCOPE_WARM_CACHE")
     if baked:
         seed(Path(baked))

@@ -25,10 +25,10 @@ _HEADER = f"""# Models and techniques
 
 Written by `make docs` from the heads of the files in `shaders/` and from the float64 reference.
 
-- Energy: each parameter is swept over its range with {VALUES} values (mx with my), the others at their defaults, for views at
-  {", ".join(f"{angle:g}" for angle in ENERGY_VIEWS_DEG)} degrees.
-- Variance: of the throughput weight at the defaults; `inf` where it is infinite or beyond 1e290. Bold: the least of those
-  techniques that draw every direction the model reflects.
+- Energy: each parameter is swept over its range with {VALUES} values (mx with my), the others at their defaults, for
+  views at {", ".join(f"{angle:g}" for angle in ENERGY_VIEWS_DEG)} degrees.
+- Variance: of the throughput weight at the defaults; `inf` where it is infinite or beyond 1e290. Bold: the least of
+  those techniques that draw every direction the model reflects.
 - Weight: the supremum over all those views.
 
 What the papers say of these models, and what we measured: [eon-claims.md](eon-claims.md),
