@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Literal
 
 from service.engine import Engine
@@ -18,19 +18,16 @@ class PaperFigure:
     """A figure of a paper: its scene, and how it is drawn (a chart of `service.figures`).
 
     `convergence` is a chart of the scene's errors; `timings` is a table of the whole catalogue, without a chart;
-    `slices` are values of the models in `slices`, at the scene's view angles.
+    `slices` are values of BRDFs.
     """
 
     title: str
     scene: Mapping[str, Any]
     chart: Literal["statistics", "roughness", "convergence", "timings", "albedo", "slices"]
-    slices: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
 
 _SLOPES = [0.1, 0.2, 0.5, 1.0, 2.0]
 _MEAN_ONLY = {"statistics": ["mean"], "estimator": {"samples": 100_000}}
-_SIGMA = {"sigma": math.pi / 4, "albedo": 0.8}
-_ROUGHNESS = {"roughness": 0.5, "albedo": 0.8}
 
 FIGURES: Mapping[str, PaperFigure] = {
     "eon-11": PaperFigure(
@@ -58,13 +55,14 @@ FIGURES: Mapping[str, PaperFigure] = {
     ),
     "eon-3": PaperFigure(
         title="Oren-Nayar variants at albedo 0.8, sigma 45 degrees or roughness 0.5 (EON paper, figure 3)",
-        scene={"model": "eon", "theta_o_deg": [0, 30, 60, 75], "estimator": {}},
-        chart="slices",
-        slices={
-            "lambert": {"albedo": 0.8},
-            **dict.fromkeys(("qon", "qon-footnote", "oren-nayar-full", "qon-fujii", "oren-nayar-tutorial"), _SIGMA),
-            **dict.fromkeys(("fon", "eon"), _ROUGHNESS),
+        scene={
+            "model": "all",
+            "parameters": {"sigma": [math.pi / 4], "roughness": [0.5], "albedo": [0.8]},
+            "techniques": ["cosine"],
+            "theta_o_deg": [0, 30, 60, 75],
+            "estimator": {},
         },
+        chart="slices",
     ),
     "eon-6": PaperFigure(
         title="Directional albedo of QON (EON paper, figure 6, left)",
@@ -160,11 +158,11 @@ def compute_figure(figure: PaperFigure, scene: Scene, engine: Engine, progress: 
         from service.convergence import compute_timings
 
         return compute_timings(engine, progress=progress)
+    question = resolve(scene, engine.catalogue)
     if figure.chart == "slices":
         from service.slices import compute_slices
 
-        return compute_slices(engine, figure.slices, scene.angles_deg)
-    question = resolve(scene, engine.catalogue)
+        return compute_slices(question, engine, progress)
     if figure.chart == "convergence":
         from service.convergence import compute_convergence
 

@@ -5,47 +5,51 @@ from __future__ import annotations
 import math
 import struct
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from service.engine import Engine
+from service.scene import Question, radians
+from service.statistics import Progress
 
 _INPUT = np.dtype([("view", "<f4", 4), ("value", "<f4", 4)])
 TIMEOUT_S = 60.0
+LIGHTS = 181
 
 
-def compute_slices(
-    engine: Engine, models: Mapping[str, Mapping[str, float]], theta_o_deg: Sequence[float], count: int = 181
-) -> dict[str, Any]:
-    """f cos(theta_i) of each model, with its parameters, for each view angle: a result of kind `slices`.
+def compute_slices(question: Question, engine: Engine, progress: Progress = lambda *_: None) -> dict[str, Any]:
+    """f cos(theta_i) of each model of a question, for each view angle: a result of kind `slices`.
 
-    The light's angle runs from -90 to 90 degrees within the plane of the view; it is positive on the view's side.
-    Parameters that are not given have their default.
+    The light's angle runs from -90 to 90 degrees within the plane of the view; it is positive on the view's side. Models
+    that have none of the scene's parameters are left out.
     """
     begin = time.perf_counter()
-    theta_i_deg = np.linspace(-90.0, 90.0, count)
+    theta_i_deg = np.linspace(-90.0, 90.0, LIGHTS)
+    asked = set(question.scene.parameters)
+    models = {plan.model.name: plan for plan in question.series if asked & set(plan.model.head.parameters) or not asked}
     series = []
-    for name, given in models.items():
-        declared = engine.catalogue.model(name).head.parameters
-        parameters = {key: float(given.get(key, parameter.default)) for key, parameter in declared.items()}
-        for angle in theta_o_deg:
-            values, _ = values_in_plane(engine, name, parameters, math.radians(angle), np.radians(theta_i_deg))
+    for done, (name, plan) in enumerate(models.items()):
+        progress(name, done, len(models))
+        parameters = {key: plan.parameters[key] for key in plan.model.head.parameters}
+        for angle in question.scene.angles_deg:
+            values, _ = values_in_plane(engine, name, parameters, radians(angle), np.radians(theta_i_deg))
             cosines = np.maximum(np.cos(np.radians(theta_i_deg)), 0.0)
             series.append(
                 {
                     "model": name,
                     "parameters": parameters,
-                    "theta_o_deg": float(angle),
+                    "theta_o_deg": angle,
                     "theta_i_deg": theta_i_deg.tolist(),
                     "value": (values * cosines).tolist(),
                 }
             )
     info = engine.device.info
     run = {"device": info.name, "driver": info.driver_version, "elapsed_ms": 1e3 * (time.perf_counter() - begin)}
-    return {"kind": "slices", "series": series, "run": run}
+    scene = question.scene.model_dump(mode="json")
+    return {"kind": "slices", "scene": scene, "series": series, "run": run}
 
 
 def values_in_plane(
