@@ -23,8 +23,8 @@ LIGHTS = 181
 def compute_slices(question: Question, engine: Engine, progress: Progress = lambda *_: None) -> dict[str, Any]:
     """f cos(theta_i) of each model of a question, for each view angle: a result of kind `slices`.
 
-    The light's angle runs from -90 to 90 degrees within the plane of the view; it is positive on the view's side. Models
-    that have none of the scene's parameters are left out.
+    The light's angle runs from -90 to 90 degrees within the plane of the view; it is positive on the view's side.
+    Models that have none of the scene's parameters are left out.
     """
     begin = time.perf_counter()
     theta_i_deg = np.linspace(-90.0, 90.0, LIGHTS)

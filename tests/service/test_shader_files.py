@@ -1,4 +1,4 @@
-"""The GLSL of EON and its samplers against the float64 reference and against an independent implementation, input by input.
+"""The GLSL of EON and its samplers against the float64 reference and against an independent implementation.
 
 Inputs are rounded to float32 first, so that both sides see the same numbers: what differs is rounding in the shader.
 """
