@@ -35,6 +35,9 @@ docs: setup  ## write docs/models.md from the heads of the shader files and from
 test: setup  ## prove it right, on the real driver
 	$(BIN)/pytest
 
+bench: setup  ## speed and calibration beside NumPy, Numba, Dr.Jit and C++, brought on demand; minutes
+	$(BIN)/python tests/benchmarks/run.py
+
 lint: setup  ## style and types
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
