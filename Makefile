@@ -5,7 +5,7 @@ OUT := out
 COMPILE := $(BIN)/uv pip compile --quiet --upgrade --generate-hashes --python-version 3.11 --custom-compile-command 'make lock'
 
 .DEFAULT_GOAL := help
-.PHONY: help setup stats figures test lint bench-http container container-test lock clean
+.PHONY: help setup stats figures test lint bench-http container container-test lock clean docs
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 12
@@ -24,10 +24,13 @@ stats: setup  ## the main job: six techniques of EON over 64 angles; table here,
 
 figures: setup  ## every figure of the papers, as PNG, SVG, Vega-Lite and JSON in out/
 	$(BIN)/samplerscope figure eon-table-1 -o $(OUT)/eon-table-1.txt -o $(OUT)/eon-table-1.json
-	for name in eon-11 eon-13 eon-convergence; do \
+	for name in eon-3 eon-6 eon-7 eon-11 eon-13 eon-convergence kurt-2 kurt-3 kurt-sampling; do \
 	    $(BIN)/samplerscope figure $$name -o $(OUT)/$$name.png -o $(OUT)/$$name.svg \
 	        -o $(OUT)/$$name.vl.json -o $(OUT)/$$name.json || exit; \
 	done
+
+docs: setup  ## write docs/models.md from the heads of the shader files and from the reference
+	$(BIN)/python -m service.models_page docs/models.md
 
 test: setup  ## prove it right, on the real driver
 	$(BIN)/pytest

@@ -63,6 +63,7 @@ class Head(BaseModel):
     uses: list[str] = []
     below_horizon: bool = False
     mixture: bool = False
+    anisotropic: bool = False
     singular: list[str] = []
     parameters: dict[str, Parameter] = {}
 

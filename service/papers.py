@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -16,13 +17,17 @@ from service.statistics import Progress, compute_statistics
 class PaperFigure:
     """A figure of a paper: its scene, and how it is drawn (a chart of `service.figures`).
 
-    `convergence` is a chart of the scene's errors; `timings` is a table of the whole catalogue, without a chart.
+    `convergence` is a chart of the scene's errors; `timings` is a table of the whole catalogue, without a chart;
+    `slices` are values of BRDFs.
     """
 
     title: str
     scene: Mapping[str, Any]
-    chart: Literal["statistics", "roughness", "convergence", "timings"]
+    chart: Literal["statistics", "roughness", "convergence", "timings", "albedo", "slices"]
 
+
+_SLOPES = [0.1, 0.2, 0.5, 1.0, 2.0]
+_MEAN_ONLY = {"statistics": ["mean"], "estimator": {"samples": 100_000}}
 
 FIGURES: Mapping[str, PaperFigure] = {
     "eon-11": PaperFigure(
@@ -47,6 +52,69 @@ FIGURES: Mapping[str, PaperFigure] = {
             "estimator": {"samples": 1_000_000},
         },
         chart="roughness",
+    ),
+    "eon-3": PaperFigure(
+        title="Oren-Nayar variants at albedo 0.8, sigma 45 degrees or roughness 0.5 (EON paper, figure 3)",
+        scene={
+            "model": "all",
+            "parameters": {"sigma": [math.pi / 4], "roughness": [0.5], "albedo": [0.8]},
+            "techniques": ["cosine"],
+            "theta_o_deg": [0, 30, 60, 75],
+            "estimator": {},
+        },
+        chart="slices",
+    ),
+    "eon-6": PaperFigure(
+        title="Directional albedo of QON (EON paper, figure 6, left)",
+        scene={
+            "model": "qon",
+            "parameters": {"sigma": [k * math.pi / 10 for k in range(6)]},
+            "techniques": ["cosine"],
+            **_MEAN_ONLY,
+        },
+        chart="albedo",
+    ),
+    "eon-7": PaperFigure(
+        title="Directional albedo of FON (EON paper, figure 7, left)",
+        scene={
+            "model": "fon",
+            "parameters": {"roughness": [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]},
+            "techniques": ["cosine"],
+            **_MEAN_ONLY,
+        },
+        chart="albedo",
+    ),
+    "kurt-2": PaperFigure(
+        title="Albedo of the physically plausible model, eq. 9, f0 = 1 (Kurt et al. 2010, figure 2)",
+        scene={
+            "model": "kurt-plausible",
+            "parameters": {"mx": _SLOPES, "my": _SLOPES},
+            "zip": [["mx", "my"]],
+            "techniques": ["beckmann-half-vector"],
+            **_MEAN_ONLY,
+        },
+        chart="albedo",
+    ),
+    "kurt-3": PaperFigure(
+        title="Albedo of the model for fitting, eq. 10, f0 = 1 (Kurt et al. 2010, figure 3)",
+        scene={
+            "model": "kurt",
+            "parameters": {"alpha": [0.0, 0.25, 0.5, 1.0], "mx": _SLOPES, "my": _SLOPES},
+            "zip": [["mx", "my"]],
+            "techniques": ["beckmann-half-vector"],
+            **_MEAN_ONLY,
+        },
+        chart="albedo",
+    ),
+    "kurt-sampling": PaperFigure(
+        title="Techniques for the model of Kurt et al. 2010, kd = ks = 0.5, m = 0.3 (in place of its figure 11)",
+        scene={
+            "model": "kurt",
+            "parameters": {"kd": [0.5], "ks": [0.5], "alpha": [0.25]},
+            "techniques": ["cosine", "uniform", "beckmann-half-vector", "half-vector-cosine"],
+            "estimator": {"samples": 1_000_000},
+        },
+        chart="statistics",
     ),
     "eon-convergence": PaperFigure(
         title="Error against run time for EON at roughness 1: six techniques, three estimators",
@@ -91,6 +159,10 @@ def compute_figure(figure: PaperFigure, scene: Scene, engine: Engine, progress: 
 
         return compute_timings(engine, progress=progress)
     question = resolve(scene, engine.catalogue)
+    if figure.chart == "slices":
+        from service.slices import compute_slices
+
+        return compute_slices(question, engine, progress)
     if figure.chart == "convergence":
         from service.convergence import compute_convergence
 

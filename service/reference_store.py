@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import astuple, fields
 from functools import cache
 from pathlib import Path
@@ -16,20 +16,20 @@ from pathlib import Path
 from lavapipe import Cache, default_cache
 from service import reference
 from service.reference import CellReference
-from service.scene import Question, radians
+from service.scene import Question, SeriesPlan, radians
 
 _FIELDS = len(fields(CellReference))
 
 
-def series_reference(
-    model: str, technique: str, parameters: Mapping[str, float], theta_o_deg: Sequence[float], store: Cache
-) -> list[CellReference] | None:
+def plan_reference(plan: SeriesPlan, theta_o_deg: Sequence[float], store: Cache) -> list[CellReference] | None:
     """The reference of every angle, from the store where it is there. None where no reference exists for the pair."""
-    keys = [_key(model, technique, parameters, angle) for angle in theta_o_deg]
+    keys = [_key(plan, angle) for angle in theta_o_deg]
     known = {key: value for key, value in store.get_many(keys).items() if len(value) == 8 * _FIELDS}
     missing = [(key, angle) for key, angle in zip(keys, theta_o_deg, strict=True) if key not in known]
     if missing:
-        fresh = reference.cells_reference(model, technique, parameters, [radians(angle) for _, angle in missing])
+        angles = [radians(angle) for _, angle in missing]
+        phi_o = radians(plan.azimuth_deg)
+        fresh = reference.cells_reference(plan.model.name, plan.technique.name, plan.parameters, angles, phi_o)
         if fresh is None:
             return None
         packed = {
@@ -44,7 +44,7 @@ def missing_references(question: Question, store: Cache | None = None) -> int:
     """How many cells of a question have a reference that is not stored yet, and takes milliseconds to compute."""
     store = default_cache() if store is None else store
     keys = {
-        _key(plan.model.name, plan.technique.name, plan.parameters, angle)
+        _key(plan, angle)
         for plan in question.series
         if reference.load_model(plan.model.name) and reference.load_technique(plan.technique.name)
         for angle in question.scene.angles_deg
@@ -52,9 +52,9 @@ def missing_references(question: Question, store: Cache | None = None) -> int:
     return len(keys) - len(store.get_many(keys))
 
 
-def _key(model: str, technique: str, parameters: Mapping[str, float], angle: float) -> str:
-    values = ",".join(f"{name}={value!r}" for name, value in sorted(parameters.items()))
-    return f"reference:{_code_digest()}:{model}:{technique}:{values}:{angle!r}"
+def _key(plan: SeriesPlan, angle: float) -> str:
+    values = ",".join(f"{name}={value!r}" for name, value in sorted(plan.parameters.items()))
+    return f"reference:{_code_digest()}:{plan.model.name}:{plan.technique.name}:{values}:{angle!r}:{plan.azimuth_deg!r}"
 
 
 @cache

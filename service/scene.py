@@ -9,11 +9,20 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    model_serializer,
+    model_validator,
+)
 
 from service.catalogue import Catalogue, Entry, Parameter
 from service.errors import BadInput, Problem
@@ -22,6 +31,9 @@ Statistic = Literal["mean", "variance", "max_weight"]
 STATISTICS: tuple[Statistic, ...] = ("mean", "variance", "max_weight")
 Method = Literal["mc", "qmc", "quadrature"]
 METHODS: tuple[Method, ...] = ("mc", "qmc", "quadrature")
+
+ALL_MODELS = "all"
+"""In the place of a model's name: every model of the catalogue."""
 
 MAX_ANGLES = 4096
 MAX_SAMPLES = 2**40
@@ -36,6 +48,8 @@ def _as_list(value: object) -> object:
 
 Sweep = Annotated[list[float], BeforeValidator(_as_list), Field(min_length=1, max_length=MAX_CELLS)]
 Angle = Annotated[float, Field(ge=0, lt=90, allow_inf_nan=False)]
+Azimuth = Annotated[float, Field(ge=-360, le=360, allow_inf_nan=False)]
+Azimuths = Annotated[list[Azimuth], BeforeValidator(_as_list), Field(min_length=1, max_length=MAX_ANGLES)]
 
 
 class _Strict(BaseModel):
@@ -65,17 +79,28 @@ class Estimator(_Strict):
 
 
 class Scene(_Strict):
-    """One question. Every field but `model` has a default; `techniques` defaults to all that declare the model."""
+    """One question. Every field but `model` has a default; `techniques` defaults to all that declare the model.
+
+    `model` may be `all`: then every model of the catalogue is asked. `phi_o_deg` is there only for anisotropic models.
+    """
 
     model: str
     parameters: dict[str, Sweep] = {}
     zip: list[Annotated[list[str], Field(min_length=2)]] = []
     techniques: Annotated[list[str], BeforeValidator(_as_list), Field(min_length=1)] | None = None
     theta_o_deg: AngleCount | Annotated[list[Angle], Field(min_length=1, max_length=MAX_ANGLES)] = AngleCount(count=64)
+    phi_o_deg: Azimuths | None = None
     statistics: Annotated[list[Statistic], BeforeValidator(_as_list), Field(min_length=1)] = list(STATISTICS)
     estimator: Estimator = Estimator(method="mc")
     error_bars: bool = True
     reference: bool = True
+
+    @model_serializer(mode="wrap")
+    def _without_absent_azimuth(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        data: dict[str, Any] = serialize(self)
+        if data.get("phi_o_deg") is None:
+            data.pop("phi_o_deg", None)
+        return data
 
     @property
     def angles_deg(self) -> list[float]:
@@ -88,11 +113,20 @@ class Scene(_Strict):
 
 @dataclass(frozen=True)
 class SeriesPlan:
-    """One curve of the answer: a model with fixed parameters and a technique, over all view angles."""
+    """One curve of the answer: a model with fixed parameters and a technique, over all view angles.
+
+    `phi_o_deg` is the azimuth of the view; None for an isotropic model, which is looked at from azimuth 0.
+    """
 
     model: Entry
     technique: Entry
     parameters: Mapping[str, float]
+    phi_o_deg: float | None = None
+
+    @property
+    def azimuth_deg(self) -> float:
+        """The azimuth of the view in degrees."""
+        return self.phi_o_deg or 0.0
 
 
 @dataclass(frozen=True)
@@ -113,22 +147,39 @@ def parse_scene(data: Mapping[str, Any]) -> Scene:
 
 def resolve(scene: Scene, catalogue: Catalogue) -> Question:
     """Check a scene against the catalogue: names exist, parameters are declared and in range."""
-    model = catalogue.model(scene.model)
-    names = scene.techniques if scene.techniques is not None else catalogue.techniques_for(model.name)
-    techniques = [catalogue.technique(name) for name in names]
-    if len(set(names)) < len(names):
-        raise BadInput(Problem("techniques", ",".join(names), "each name once"))
-    declared = {t.name: catalogue.parameters_of(model, t) for t in techniques}
-    _check_parameters(scene, {name: p for ps in declared.values() for name, p in ps.items()})
+    every = scene.model == ALL_MODELS
+    models = list(catalogue.models.values()) if every else [catalogue.model(scene.model)]
+    if scene.techniques is not None and len(set(scene.techniques)) < len(scene.techniques):
+        raise BadInput(Problem("techniques", ",".join(scene.techniques), "each name once"))
+    pairs = [
+        (model, catalogue.technique(name))
+        for model in models
+        for name in (catalogue.techniques_for(model.name) if scene.techniques is None else scene.techniques)
+    ]
+    declared = [catalogue.parameters_of(*pair) for pair in pairs]
+    _check_parameters(scene, {name: p for ps in declared for name, p in ps.items()})
+    azimuths = _azimuths(scene, models)
     series = tuple(
-        SeriesPlan(model, technique, values)
-        for technique in techniques
-        for values in _combinations(scene, declared[technique.name])
+        SeriesPlan(model, technique, values, phi_o_deg)
+        for (model, technique), parameters in zip(pairs, declared, strict=True)
+        for values in _combinations(scene, parameters)
+        for phi_o_deg in (azimuths if model.head.anisotropic else [None])
     )
     if len(series) * len(scene.angles_deg) > MAX_CELLS:
         raise BadInput(Problem("parameters", f"{len(series)} series", f"at most {MAX_CELLS} cells (series x angles)"))
-    full = scene.model_copy(update={"techniques": names})
+    names = scene.techniques if every else [technique.name for _, technique in pairs]
+    anisotropic = any(model.head.anisotropic for model in models)
+    full = scene.model_copy(update={"techniques": names, "phi_o_deg": azimuths if anisotropic else None})
     return Question(full, series)
+
+
+def _azimuths(scene: Scene, models: Sequence[Entry]) -> list[float]:
+    """View azimuths in degrees; 0 unless given, and given only for models where they matter."""
+    if scene.phi_o_deg is None:
+        return [0.0]
+    if not any(model.head.anisotropic for model in models):
+        raise BadInput(Problem("phi_o_deg", _one_or_list(scene.phi_o_deg), f"no value, {scene.model} is isotropic"))
+    return scene.phi_o_deg
 
 
 def _check_parameters(scene: Scene, declared: Mapping[str, Parameter]) -> None:
@@ -202,6 +253,7 @@ _ALLOWED = {
     "model": "the name of a model",
     "techniques": "a list of names of techniques",
     "theta_o_deg": f'0 <= theta_o_deg < 90, as a list of 1 to {MAX_ANGLES} angles or as {{"count": N}}',
+    "phi_o_deg": "-360 to 360, one or a list",
     "theta_o_deg.count": f"a whole number, 1 to {MAX_ANGLES}",
     "statistics": "a list out of " + ", ".join(STATISTICS),
     "estimator.samples": f"a whole number, 1 to {MAX_SAMPLES}",

@@ -17,7 +17,7 @@ from service.estimators.quadrature import LEAST_VARIANCE
 from service.moments import Statistics
 from service.random_numbers import cell_key
 from service.reference import CellReference
-from service.reference_store import series_reference
+from service.reference_store import plan_reference
 from service.sampling import Cells, CellSums, Journal
 from service.scene import Question, Scene, SeriesPlan, radians
 from service.verdict import Evidence, finite_or_none, verdict
@@ -107,8 +107,9 @@ def left_out(scene: Scene) -> list[dict[str, str]]:
 def series_cells(plan: SeriesPlan, scene: Scene) -> Cells:
     """The cells of one series, one a view angle. Cosines are formed in double precision before they become float32."""
     angles = [radians(angle) for angle in scene.angles_deg]
-    wo = np.array([(math.sin(angle), 0.0, math.cos(angle)) for angle in angles], np.float32)
-    keys = np.array([cell_key(scene.estimator.seed, angle) for angle in scene.angles_deg], np.uint32)
+    x, y = math.cos(radians(plan.azimuth_deg)), math.sin(radians(plan.azimuth_deg))
+    wo = np.array([(x * math.sin(angle), y * math.sin(angle), math.cos(angle)) for angle in angles], np.float32)
+    keys = np.array([cell_key(scene.estimator.seed, angle, plan.azimuth_deg) for angle in scene.angles_deg], np.uint32)
     row = np.array([list(plan.parameters.values())], np.float32)
     return Cells(wo, keys, np.repeat(row, len(angles), axis=0))
 
@@ -132,6 +133,7 @@ def _head(plan: SeriesPlan, scene: Scene) -> dict[str, Any]:
         "technique": plan.technique.name,
         "parameters": dict(plan.parameters),
         "theta_o_deg": list(scene.angles_deg),
+        **_azimuth(plan),
     }
 
 
@@ -145,7 +147,7 @@ def _reference(plan: SeriesPlan, scene: Scene, engine: Engine, pause: Callable[[
     for first in range(0, len(scene.angles_deg), REFERENCE_ANGLES):
         pause()
         angles = scene.angles_deg[first : first + REFERENCE_ANGLES]
-        found = series_reference(plan.model.name, plan.technique.name, plan.parameters, angles, engine.cache)
+        found = plan_reference(plan, angles, engine.cache)
         if found is None:
             return None
         cells += found
@@ -181,6 +183,11 @@ def _series(
         "verdict": verdict(evidence),
         "device_ms": found.device_ns / 1e6,
     }, found.built_ms
+
+
+def _azimuth(plan: SeriesPlan) -> dict[str, float]:
+    """The view azimuth as a field, for anisotropic models."""
+    return {} if plan.phi_o_deg is None else {"phi_o_deg": plan.phi_o_deg}
 
 
 def _moment_columns(
@@ -258,6 +265,7 @@ def _replays(plan: SeriesPlan, scene: Scene, found: Estimate) -> list[dict[str, 
                 "technique": plan.technique.name,
                 "parameters": dict(plan.parameters),
                 "theta_o_deg": angle,
+                **_azimuth(plan),
                 "sample": index,
                 "u_bits": [f"0x{bits:08x}" for bits in u.view(np.uint32)],
             }

@@ -156,8 +156,7 @@ def _known(e: Evidence, reference: Sequence[CellReference]) -> list[dict[str, An
             "infinite-variance",
             infinite,
             e.theta_o_deg,
-            "the weight has no variance: P(w > W) falls like kappa/(2 W^2), with kappa up to "
-            f"{np.max(tail, initial=0.0):.3g}; "
+            _why_no_variance(float(np.max(tail, initial=0.0)))
             + ("no value is given" if e.by_rule else "the value given is that of this sample and grows with the count"),
             tail_strength=finite_or_none(np.where(infinite, tail, np.nan)),
         ),
@@ -173,7 +172,7 @@ def _known(e: Evidence, reference: Sequence[CellReference]) -> list[dict[str, An
             "unbounded-weight",
             unbounded,
             e.theta_o_deg,
-            "the weight has no upper bound; the largest one seen grows with the count",
+            "the weight has no upper bound, or one beyond 1e290; the largest one seen grows with the count",
         ),
         _finding(
             "energy-gain",
@@ -190,6 +189,13 @@ def _known(e: Evidence, reference: Sequence[CellReference]) -> list[dict[str, An
             bias=finite_or_none(mean - albedo),
         ),
     ]
+
+
+def _why_no_variance(strength: float) -> str:
+    """An infinite variance in words: with the strength of an inverse-square tail, where it comes from one."""
+    if strength == 0.0:
+        return "the variance of the weight is infinite, or beyond 1e290; "
+    return f"the weight has no variance: P(w > W) falls like kappa/(2 W^2), with kappa up to {strength:.3g}; "
 
 
 def _biased(e: Evidence, statistics: Statistics) -> list[dict[str, Any] | None]:

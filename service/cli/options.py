@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from service.errors import BadInput, Problem
+from service.presets import with_preset
 
 Command = Callable[..., Any]
 
@@ -30,15 +31,17 @@ def scene_options(command: Command) -> Command:
     """The options that make up a scene, with the names of its fields."""
     for option in reversed(
         (
-            click.option("--model", default="eon", show_default=True, metavar="NAME", help="The BRDF."),
+            click.option("--model", default="eon", show_default=True, metavar="NAME", help="The BRDF, or all."),
             click.option(
                 "--set", "settings", multiple=True, metavar="NAME=V1,V2,...",
                 help="Values of a parameter; several values sweep it, several sweeps form a product.",
             ),
+            click.option("--preset", metavar="NAME", help="A material of a paper, in the place of --model."),
             click.option("--zip", "zips", multiple=True, metavar="NAME,NAME", help="Sweep these together."),
             click.option("--technique", "--techniques", metavar="NAME,...", help="Default: all made for the model."),
             click.option("--angles", metavar="N", help="N view angles from 0 to 89.91 degrees. Default: 64."),
             click.option("--theta-o-deg", metavar="A,B,...", help="View angles in degrees, 0 to below 90."),
+            click.option("--phi-o-deg", metavar="A,B,...", help="View azimuths of an anisotropic model. Default: 0."),
             click.option("--statistics", metavar="NAME,...", help="Out of mean, variance, max_weight. Default: all."),
             click.option("--method", metavar="NAME", help="Estimator: mc, qmc or quadrature. Default: mc."),
             click.option("--tolerance", metavar="X", help="Pick method and count for this error of the variance."),
@@ -57,9 +60,11 @@ def scene_data(
     model: str,
     settings: tuple[str, ...],
     zips: tuple[str, ...],
+    preset: str | None,
     technique: str | None,
     angles: str | None,
     theta_o_deg: str | None,
+    phi_o_deg: str | None,
     statistics: str | None,
     method: str | None,
     tolerance: str | None,
@@ -82,17 +87,19 @@ def scene_data(
         samples=integer("samples", samples),
         seed=integer("seed", seed),
     )
-    return given(
+    scene = given(
         model=model,
         parameters=dict(_setting(text) for text in settings),
         zip=[names(text) for text in zips],
         techniques=names(technique),
         theta_o_deg=view,
+        phi_o_deg=None if phi_o_deg is None else numbers("phi_o_deg", phi_o_deg),
         statistics=names(statistics),
         estimator=estimator,
         error_bars=not no_error_bars,
         reference=not no_reference,
     )
+    return scene if preset is None else with_preset(preset, scene)
 
 
 def given(**fields: Any) -> dict[str, Any]:

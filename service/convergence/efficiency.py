@@ -36,7 +36,10 @@ def efficiency_table(question: Question, engine: Engine, costs: Mapping[str, Cos
         declared = engine.catalogue.parameters_of(plan.model, plan.technique)
         mine = [{key: row.get(key, plan.parameters[key]) for key in declared} for row in rows]
         variance, mean = relative_variances(replace(plan, parameters=mine[0]), scene, engine, mine)
-        relative = np.maximum(variance / mean**2, LEAST_RELATIVE_VARIANCE)
+        # Where no sample met the lobe the mean is 0, and nothing is known of the relative variance.
+        seen = mean > 0.0
+        relative = np.where(seen, variance / np.where(seen, mean, 1.0) ** 2, np.inf)
+        relative = np.maximum(relative, LEAST_RELATIVE_VARIANCE)
         columns.append(1e9 / (relative * costs[name].call_ns))
     table = np.stack(columns, axis=1)
     names = list(plans)

@@ -8,8 +8,8 @@ from typing import Annotated, Any
 
 from pydantic import Field, ValidationError
 
-from service.errors import BadInput
-from service.scene import MAX_ANGLES, METHODS, Angle, AngleCount, Estimator, Method, Scene, scene_problems
+from service.errors import BadInput, Problem
+from service.scene import ALL_MODELS, MAX_ANGLES, METHODS, Angle, AngleCount, Estimator, Method, Scene, scene_problems
 
 LEAST_COUNT = 2**4
 
@@ -39,6 +39,8 @@ class ConvergenceScene(Scene):
 def parse_convergence_scene(data: Mapping[str, Any]) -> ConvergenceScene:
     """Check the form of a scene. BadInput names every wrong field."""
     given = dict(data)
+    if given.get("model") == ALL_MODELS:
+        raise BadInput(Problem("model", ALL_MODELS, "the name of one model"))
     estimator = given.get("estimator")
     if isinstance(estimator, Mapping):
         if estimator.get("method") is not None and "estimators" not in given:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from service.engine import Engine
 from service.estimators.quadrature import quadrature
-from service.reference_store import series_reference
+from service.reference_store import plan_reference
 from service.scene import Estimator, Scene, SeriesPlan
 from service.statistics import series_cells
 
@@ -38,7 +38,7 @@ class Truth:
 def series_truth(plan: SeriesPlan, scene: Scene, engine: Engine) -> Truth:
     """The float64 reference; for a pair that has none, the device's quadrature, whose `uniform` gives the albedo."""
     angles = scene.angles_deg
-    cells = series_reference(plan.model.name, plan.technique.name, plan.parameters, angles, engine.cache)
+    cells = plan_reference(plan, angles, engine.cache)
     if cells is None:
         return _by_quadrature(plan, scene, engine)
     albedo, mean, variance, fourth = (

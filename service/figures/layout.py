@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,6 +18,8 @@ AnyChart = alt.VConcatChart | alt.HConcatChart
 Datasets = dict[str, list[points.Row]]
 
 _CHARACTERS_A_PANEL = 64
+
+_MOST_BEYOND_SAMPLED = 1e6
 
 _NO_LIMIT = {"variance": "infinite variance", "max_weight": "unbounded weight"}
 
@@ -132,7 +135,10 @@ def panels(
         rows.append([row for one, names in named for row in points.sampled(one, statistic, names, log)])
         truth.append([row for one, names in named for row in points.truth(one, statistic, names, log)])
     unit = sheet.unit_line(statistic)
-    shown = [row["value"] for part in (*rows, *truth) for row in part] + ([1.0] if unit else [])
+    shown = [row["value"] for part in rows for row in part] + ([1.0] if unit else [])
+    # A variance of 1e200, which rare weights carry, would flatten everything else: its line leaves the panel.
+    most = _MOST_BEYOND_SAMPLED * max(shown, default=math.inf) if log else math.inf
+    shown += [row["value"] for part in truth for row in part if row["value"] <= most]
     angles = [angle for one in sheet.series for angle in one.theta_o_deg]
     charts: list[alt.LayerChart] = []
     datasets: Datasets = {}

@@ -159,18 +159,22 @@ def parameter_names(series: Sequence[Series]) -> list[str]:
 
 
 def swept(series: Sequence[Series]) -> dict[str, str]:
-    """Return what distinguishes series of one technique: parameter (or `phi_o_deg`) -> its name in print."""
-    names = {
-        name: name for name in parameter_names(series) if len({repr(one.parameters.get(name)) for one in series}) > 1
-    }
-    if len({repr(one.raw.get("phi_o_deg")) for one in series}) > 1:
-        names["phi_o_deg"] = "phi_o_deg"
-    return names
+    """Return what distinguishes series of one technique: model, parameter or `phi_o_deg` -> its name in print."""
+    groups: dict[tuple[str, str], list[Series]] = {}
+    for one in series:
+        groups.setdefault((one.model, one.technique), []).append(one)
+
+    def varies(name: str) -> bool:
+        return any(len({swept_value(one, name) for one in group}) > 1 for group in groups.values())
+
+    names = ["model"] if len({one.model for one in series}) > 1 else []
+    names += [name for name in (*parameter_names(series), "phi_o_deg") if varies(name)]
+    return {name: name for name in names}
 
 
 def swept_value(one: Series, name: str) -> str:
     """Return the value of a swept parameter as it is printed; `-` where the series does not have it."""
-    value = one.raw.get("phi_o_deg") if name == "phi_o_deg" else one.parameters.get(name)
+    value = one.raw.get(name) if name in ("model", "phi_o_deg") else one.parameters.get(name)
     if isinstance(value, Sequence) and not isinstance(value, str):
         value = value[0] if value else None
     if isinstance(value, int | float) and not isinstance(value, bool):

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from service.reference.entry import load_model, load_technique
+from service.reference.entry import exact_albedo, half_vector_lobes, load_model, load_technique
+from service.reference.lobe_moments import integrate_lobes
 from service.reference.moments import Pair, integrate_moments, tail_strength
 from service.reference.supremum import supremum
 
@@ -31,8 +32,8 @@ def cell_reference(
 ) -> CellReference | None:
     """Reference of one cell; None where the model or the technique has no reference file.
 
-    Angles are radians, 0 <= theta_o < pi/2. Parameters that are absent take the value 1, their declared default. All
-    models so far are isotropic: the result does not depend on ``phi_o``. Raises ValueError for an angle out of range.
+    Angles are radians, 0 <= theta_o < pi/2; ``phi_o`` matters to anisotropic models only. Raises ValueError for an
+    angle out of range.
     """
     if not 0.0 <= theta_o < 0.5 * math.pi:
         raise ValueError(f"theta_o must be in [0, pi/2) radians, not {theta_o}")
@@ -43,13 +44,18 @@ def cell_reference(
     wo = np.array([sine * math.cos(phi_o), sine * math.sin(phi_o), math.cos(theta_o)])
     pair = Pair(the_model, the_technique, parameters, wo)
     kappa, unbounded = tail_strength(pair)
-    moments = integrate_moments(pair, finite=not unbounded)
+    if any(half_vector_lobes(part, parameters) for part in (the_model, the_technique)):
+        moments, largest = integrate_lobes(pair)
+    else:
+        moments = integrate_moments(pair, finite=not unbounded)
+        largest = math.inf if unbounded else supremum(pair)
+    albedo = exact_albedo(the_model, float(wo[2]), parameters)
     return CellReference(
         mean=moments.mean,
-        albedo=float(the_model.directional_albedo(wo[2], parameters)),
+        albedo=moments.mean + moments.uncovered if albedo is None else albedo,
         variance=moments.variance,
         fourth_moment=moments.fourth,
-        max_weight=math.inf if unbounded else supremum(pair),
+        max_weight=largest,
         uncovered=moments.uncovered,
         zero_probability=moments.weightless,
         tail_strength=kappa,

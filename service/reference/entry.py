@@ -1,8 +1,9 @@
 """What a model and a technique bring to the float64 reference, and how their files are found.
 
 A reference file is optional. It is a module ``models/NAME.py`` or ``techniques/NAME.py`` (``-`` becomes ``_``) with
-the functions of :class:`Model` or :class:`Technique`. Directions are unit arrays of shape ``(..., 3)`` that point
-away from the surface, with the normal along +z.
+the functions of :class:`Model` or :class:`Technique`. A model may add ``directional_albedo(mu, parameters)``, both may
+add ``half_vector_lobes(parameters)``: see the functions of these names here. Directions are unit arrays of shape
+``(..., 3)`` that point away from the surface, with the normal along +z.
 """
 
 import importlib
@@ -43,17 +44,14 @@ class Kinks:
 
     elevations: tuple[float, ...] = ()
     edge: Edge | None = None
+    surfaces: tuple[Callable[[Array], Array], ...] = ()  # of wi; the integrand is not smooth where one changes its sign
 
 
 class Model(Protocol):
-    """A BRDF: its value, its exact directional albedo and its kinks."""
+    """A BRDF: its value, its kinks and, where it has a closed form, its directional albedo."""
 
     def brdf(self, wi: Array, wo: Array, parameters: Parameters) -> Array:
         """Value in 1/sr, without the cosine."""
-        ...
-
-    def directional_albedo(self, mu: Array | float, parameters: Parameters) -> Array:
-        """Integral of the BRDF times cosine over the hemisphere, for a view of cosine ``mu``."""
         ...
 
     def kinks(self, wo: Array, parameters: Parameters) -> Kinks:
@@ -89,6 +87,24 @@ def _module(kind: str, name: str) -> object | None:
     if not stem.isidentifier() or importlib.util.find_spec(path) is None:
         return None
     return importlib.import_module(path)
+
+
+def exact_albedo(model: Model, mu: float, parameters: Parameters) -> float | None:
+    """The model's own ``directional_albedo``, the integral of BRDF times cosine for a view of cosine ``mu``.
+
+    None where it has none.
+    """
+    function = getattr(model, "directional_albedo", None)
+    return None if function is None else float(function(mu, parameters))
+
+
+def half_vector_lobes(entry: Model | Technique, parameters: Parameters) -> tuple[tuple[float, float], ...]:
+    """Slopes of the half vector, along x and y, within which the entry has its lobes; empty where it has none.
+
+    They are what the optional function ``half_vector_lobes`` of its file says.
+    """
+    function = getattr(entry, "half_vector_lobes", None)
+    return () if function is None else tuple(function(parameters))
 
 
 def load_model(name: str) -> Model | None:

@@ -95,6 +95,15 @@ KINDS: Mapping[str, Kind] = {
             function="service.convergence:compute_convergence",
         ),
         Kind(
+            name="slices",
+            title="BRDFs in the plane of the view",
+            scene=Scene,
+            parse=parse_scene,
+            samples=_cells,
+            function="service.slices:compute_slices",
+            routed=False,
+        ),
+        Kind(
             name="timings",
             title="What a call costs, for every model and technique",
             scene=Scene,

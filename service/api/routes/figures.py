@@ -13,7 +13,7 @@ from service.papers import FIGURES, figure_scene
 from service.scene import parse_scene
 
 _ALLOWED = ("samples", "seed")
-_KINDS = {"convergence": "convergence", "timings": "timings"}
+_KINDS = {"convergence": "convergence", "timings": "timings", "slices": "slices"}
 """Kinds of result by chart, where that is not statistics."""
 
 

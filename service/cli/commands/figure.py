@@ -27,7 +27,9 @@ def figure(
     outputs: tuple[str, ...],
     device: str | None,
 ) -> None:
-    """A figure or table of a paper, by name: eon-11, eon-13, eon-convergence, eon-table-1."""
+    """A figure or table of a paper, by name: eon-3, eon-6, eon-7, eon-11, eon-13, eon-convergence, eon-table-1, kurt-2,
+    kurt-3, kurt-sampling.
+    """
     from service.papers import compute_figure, figure_scene, paper_figure
 
     paper = paper_figure(name)
@@ -40,6 +42,8 @@ def figure(
             "statistics": figures.statistics_chart,
             "roughness": figures.roughness_chart,
             "convergence": figures.convergence_chart,
+            "albedo": figures.albedo_chart,
+            "slices": figures.slices_chart,
         }
         return charts[paper.chart](result, paper.title)
 

@@ -1,0 +1,41 @@
+"""The qualitative Oren-Nayar model (EON paper, eq. 1 to 7): rho / pi (A + B max(0, s) / max(cos_i, cos_o))."""
+
+import numpy as np
+
+from service.reference.entry import Array, Kinks, Parameters
+from service.reference.oren_nayar import (
+    above,
+    equal_elevations,
+    larger_cosine,
+    qualitative_shape,
+    ratio,
+    tangential_dot,
+)
+
+
+def amplitude(sigma: float) -> float:
+    """A, the albedo at normal incidence of a white surface."""
+    return 1.0 - 0.5 * ratio(sigma, 0.33)
+
+
+def slope(sigma: float) -> float:
+    """The coefficient B."""
+    return 0.45 * ratio(sigma, 0.09)
+
+
+def brdf(wi: Array, wo: Array, parameters: Parameters) -> Array:
+    """Value in 1/sr for directions of shape (..., 3); 0 where either is not above the horizon."""
+    shape = np.maximum(tangential_dot(wi, wo), 0.0) / larger_cosine(wi, wo)
+    value = amplitude(parameters["sigma"]) + slope(parameters["sigma"]) * shape
+    return np.where(above(wi, wo), parameters["albedo"] / np.pi * value, 0.0)
+
+
+def directional_albedo(mu: Array | float, parameters: Parameters) -> Array:
+    """Albedo for views of cosine ``mu``: rho (A + B Gq / pi)."""
+    sigma = parameters["sigma"]
+    return np.asarray(parameters["albedo"] * (amplitude(sigma) + slope(sigma) * qualitative_shape(mu) / np.pi))
+
+
+def kinks(wo: Array, parameters: Parameters) -> Kinks:
+    """Where the elevations are equal."""
+    return equal_elevations(wo)

@@ -1,0 +1,35 @@
+// The anisotropic Beckmann distribution of half vectors, with its sampling.
+// Source: Kurt, Szirmay-Kalos, Krivanek, "An Anisotropic BRDF Model for Fitting and Monte Carlo Rendering" (2010),
+// eq. 4, 5 and 16 to 20.
+#ifndef SAMPLERSCOPE_BECKMANN
+#define SAMPLERSCOPE_BECKMANN
+
+#include "common/circle.glsl"
+#include "common/half-vector.glsl"
+#include "common/logarithm.glsl"
+
+// q of eq. 4: exp(-tan^2(theta_h) (cos^2 phi_h/mx^2 + sin^2 phi_h/my^2)).
+float beckmann_exponential(HalfVector h, float mx, float my) {
+    vec2 scaled = h.slope / vec2(mx, my);
+    return exp(-min(dot(scaled, scaled), 1.0e4));
+}
+
+// D of eq. 5, whose integral with the cosine is 1.
+float beckmann(HalfVector h, float mx, float my) {
+    float q = beckmann_exponential(h, mx, my);
+    float secant2 = 1.0 + h.tangent2;
+    return q > 0.0 ? q * secant2 * secant2 / (PI * mx * my) : 0.0;
+}
+
+// Density of wi (eq. 20).
+float beckmann_density(HalfVector h, float mx, float my) {
+    return reflected_density(beckmann(h, mx, my) * h.cosine, h);
+}
+
+// Slope of a half vector with density D cos (eq. 16 to 19). Written with slopes, the two arc tangents and the quadrant
+// they need go away: both components are Gaussian.
+vec2 beckmann_slope(vec2 u, float mx, float my) {
+    return sqrt(-log_one_plus(-u.x)) * vec2(mx, my) * point_on_circle(u.y);
+}
+
+#endif

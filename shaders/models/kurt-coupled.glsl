@@ -1,0 +1,52 @@
+/*---
+provides = ["model"]
+name = "kurt-coupled"
+title = "Kurt, diffuse coupled by Fresnel"
+source = "Kurt, Szirmay-Kalos, Krivanek 2010, eq. 13"
+anisotropic = true
+singular = ["grows like cos^-alpha at grazing for every alpha above 0"]
+[parameters.kd]
+min = 0.0
+max = 1.0
+default = 0.5
+unit = ""
+help = "diffuse reflectance, one colour channel"
+[parameters.ks]
+min = 0.0
+max = 1.0
+default = 0.5
+unit = ""
+help = "specular reflectance, one colour channel"
+[parameters.f0]
+min = 0.0
+max = 1.0
+default = 0.05
+unit = ""
+help = "Fresnel reflectance at normal incidence"
+[parameters.mx]
+min = 0.001
+max = 10.0
+default = 0.3
+unit = ""
+help = "root mean square slope of the facets along x"
+[parameters.my]
+min = 0.001
+max = 10.0
+default = 0.3
+unit = ""
+help = "root mean square slope of the facets along y"
+[parameters.alpha]
+min = 0.0
+max = 1.9
+default = 0.25
+unit = ""
+help = "exponent of the shadowing term (ci co)^-alpha"
+---*/
+#include "common/kurt.glsl"
+
+float brdf(vec3 wi, vec3 wo) {
+    HalfVector h = half_vector(wi, wo);
+    float fresnel = schlick(f0, h.to_view);
+    float f = kd * (1.0 - fresnel) * INV_PI + ks * kurt_lobe(h, wi.z * wo.z, fresnel, mx, my, alpha);
+    return min(wi.z, wo.z) > 0.0 ? f : 0.0;
+}

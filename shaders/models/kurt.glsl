@@ -1,0 +1,51 @@
+/*---
+provides = ["model"]
+name = "kurt"
+title = "Kurt, simple"
+source = "Kurt, Szirmay-Kalos, Krivanek 2010, eq. 10 to 12"
+anisotropic = true
+singular = ["grows like cos^-alpha at grazing for every alpha above 0"]
+[parameters.kd]
+min = 0.0
+max = 1.0
+default = 0.0
+unit = ""
+help = "diffuse reflectance, one colour channel"
+[parameters.ks]
+min = 0.0
+max = 1.0
+default = 1.0
+unit = ""
+help = "specular reflectance, one colour channel"
+[parameters.f0]
+min = 0.0
+max = 1.0
+default = 1.0
+unit = ""
+help = "Fresnel reflectance at normal incidence"
+[parameters.mx]
+min = 0.001
+max = 10.0
+default = 0.3
+unit = ""
+help = "root mean square slope of the facets along x"
+[parameters.my]
+min = 0.001
+max = 10.0
+default = 0.3
+unit = ""
+help = "root mean square slope of the facets along y"
+[parameters.alpha]
+min = 0.0
+max = 1.9
+default = 0.25
+unit = ""
+help = "exponent of the shadowing term (ci co)^-alpha"
+---*/
+#include "common/kurt.glsl"
+
+float brdf(vec3 wi, vec3 wo) {
+    HalfVector h = half_vector(wi, wo);
+    float f = kd * INV_PI + ks * kurt_lobe(h, wi.z * wo.z, schlick(f0, h.to_view), mx, my, alpha);
+    return min(wi.z, wo.z) > 0.0 ? f : 0.0;
+}
