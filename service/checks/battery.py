@@ -1,0 +1,102 @@
+"""The battery over one model and technique, and over what a file or a catalogue entry brings."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from service.catalogue import Entry
+from service.checks import continuity, jacobian, model, points, sampled, tails
+from service.checks.effort import FULL, QUICK
+from service.checks.outcome import NAMES, OF_THE_MODEL, Outcome
+from service.engine import Engine
+from service.probe import Probe
+
+Progress = Callable[[str, int, int], None]
+
+
+@dataclass(frozen=True)
+class Battery:
+    """How to run: the seed of everything random, and whether to be quick at lower power."""
+
+    seed: int = 0
+    quick: bool = False
+
+
+def check_technique(probe: Probe, battery: Battery, progress: Progress = lambda *_: None) -> list[Outcome]:
+    """Every check of a technique on a model, in the order of NAMES without those of the model alone."""
+    effort = QUICK if battery.quick else FULL
+    rng = np.random.default_rng(battery.seed)
+    name = probe.technique.name
+    progress(f"{name}: single values", 0, 4)
+    drawn = points.draw_points(probe, effort.points, rng)
+    out = [
+        points.check_finite(probe, drawn),
+        points.check_nonnegative(probe, drawn),
+        points.check_unit_length(probe, drawn),
+        points.check_hemisphere(probe, drawn),
+        points.check_pdf_agreement(probe, drawn),
+        jacobian.check_jacobian(probe, effort.points, rng),
+        continuity.check_continuity(probe, effort.points, rng),
+    ]
+    progress(f"{name}: many directions", 1, 4)
+    many = sampled.draw_and_integrate(probe, effort, battery.seed)
+    out += [
+        sampled.check_normalisation(probe, many),
+        sampled.check_chi_square(probe, many),
+        sampled.check_coverage(probe, many),
+        sampled.check_unbiased(probe, many),
+    ]
+    progress(f"{name}: large weights", 2, 4)
+    found = tails.search(probe, effort, rng)
+    out += [tails.check_tail(probe, found), tails.check_supremum(probe, found)]
+    progress(f"{name}: done", 4, 4)
+    return sorted(out, key=lambda outcome: NAMES.index(outcome.name))
+
+
+def check_models(probe: Probe, battery: Battery) -> list[Outcome]:
+    """The checks of the model alone; the probe's technique takes no part."""
+    effort = QUICK if battery.quick else FULL
+    rng = np.random.default_rng(battery.seed + 1)
+    return [
+        model.check_reciprocity(probe, effort.points, rng),
+        model.check_energy(probe, effort, rng),
+    ]
+
+
+def run_battery(
+    engine: Engine,
+    the_model: Entry,
+    techniques: list[Entry],
+    battery: Battery,
+    progress: Progress = lambda *_: None,
+) -> dict[str, Any]:
+    """A result of kind `check` without `subject`: the model's own checks once, those of techniques for each."""
+    begin = time.perf_counter()
+    progress(f"{the_model.name}: reciprocity and energy", 0, 4)
+    checks = [o.as_data(None) for o in check_models(Probe(engine, the_model, techniques[0]), battery)]
+    for technique in techniques:
+        probe = Probe(engine, the_model, technique)
+        checks += [o.as_data(technique.name) for o in check_technique(probe, battery, progress)]
+    info = engine.device.info
+    return {
+        "kind": "check",
+        "subject": "",
+        "model": the_model.name,
+        "status": "fail" if any(check["status"] == "fail" for check in checks) else "pass",
+        "checks": checks,
+        "run": {
+            "device": info.name,
+            "driver": info.driver_version,
+            "seed": battery.seed,
+            "quick": battery.quick,
+            "elapsed_ms": 1e3 * (time.perf_counter() - begin),
+        },
+    }
+
+
+__all__ = ["OF_THE_MODEL", "Battery", "Progress", "check_models", "check_technique", "run_battery"]

@@ -1,0 +1,129 @@
+"""Bins of directions that follow the directions themselves, and the chi-square test over them.
+
+Boxes are split at the median of a pilot sample, alternately by elevation and by azimuth, so that a lobe of any width gets
+bins of equal weight without anyone telling where it is.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from service.checks.regions import TURN, Boxes
+
+Array = NDArray[Any]
+EXPECTED_AT_LEAST = 20.0
+"""Bins with fewer expected hits are pooled; above it the statistic follows its limit out to probabilities of 1e-7."""
+
+
+@dataclass(frozen=True)
+class Tree:
+    """Leaves of one cell: boxes (leaves, 4) as t0, t1, p0, p1; hits of the counted sample; each sample's leaf."""
+
+    boxes: Array
+    hits: Array
+    leaf: Array
+
+
+def partition(t: Array, phi: Array, pilot: int, depth: int) -> Tree:
+    """Split by the first `pilot` directions, count the others. The horizon is always a border."""
+    boxes: list[tuple[float, float, float, float]] = []
+    hits: list[int] = []
+    leaf = np.full(len(t), -1, np.int64)
+
+    def split(rows: Array, box: tuple[float, float, float, float], level: int) -> None:
+        first = rows[rows < pilot]
+        t0, t1, p0, p1 = box
+        by_t = level % 2 == 0
+        low, high = (t0, t1) if by_t else (p0, p1)
+        values = (t if by_t else phi)[first]
+        middle = float(np.median(values)) if len(first) >= 8 else low
+        if level >= depth or len(first) < 8 or not low < middle < high:
+            leaf[rows] = len(boxes)
+            boxes.append(box)
+            hits.append(int(np.count_nonzero(rows >= pilot)))
+            return
+        below = (t if by_t else phi)[rows] < middle
+        lower, upper = ((t0, middle, p0, p1), (middle, t1, p0, p1)) if by_t else ((t0, t1, p0, middle), (t0, t1, middle, p1))
+        split(rows[below], lower, level + 1)
+        split(rows[~below], upper, level + 1)
+
+    above = t <= 1.0
+    split(np.flatnonzero(above), (0.0, 1.0, 0.0, TURN), 0)
+    split(np.flatnonzero(~above), (1.0, 2.0, 0.0, TURN), 0)
+    return Tree(np.array(boxes), np.array(hits, float), leaf)
+
+
+def boxes_of(trees: list[Tree]) -> Boxes:
+    """The leaves of all cells as boxes; the bin is the leaf's number."""
+    columns = np.concatenate([tree.boxes for tree in trees]).T
+    cell = np.concatenate([np.full(len(tree.boxes), i) for i, tree in enumerate(trees)])
+    number = np.concatenate([np.arange(len(tree.boxes)) for tree in trees])
+    return Boxes(*columns, cell, number)
+
+
+@dataclass(frozen=True)
+class ChiSquare:
+    """Pearson's statistic over pooled bins, its degrees of freedom and the probability of a larger one."""
+
+    statistic: float
+    freedom: int
+    probability: float
+
+
+def chi_square(observed: Array, expected: Array) -> ChiSquare:
+    """Test counts against expectations, both (bins,), which need not have the same total: nothing is fitted.
+
+    Bins with a low expectation are pooled, in the order of their expectations. The counts are multinomial with the
+    outcome "no bin" among them; that one is the last bin of the caller.
+    """
+    order = np.argsort(expected)
+    sums = np.cumsum(expected[order])
+    # Pools close where the running sum passes the next multiple of the least expectation.
+    large = expected[order] >= EXPECTED_AT_LEAST
+    pool = np.floor(sums / EXPECTED_AT_LEAST).astype(np.int64)
+    small_pools = int(pool[~large][-1]) if (~large).any() else 0
+    group = np.where(large, 0, np.minimum(pool, max(small_pools - 1, 0)))
+    group[large] = np.arange(int(large.sum())) + (max(small_pools, 1) if (~large).any() else 0)
+    e, o = np.bincount(group, expected[order]), np.bincount(group, observed[order])
+    if len(e) > 1 and e[0] < EXPECTED_AT_LEAST:  # what is left of all small bins joins the smallest large one
+        e, o = np.concatenate([[e[0] + e[1]], e[2:]]), np.concatenate([[o[0] + o[1]], o[2:]])
+    if len(e) < 2:
+        return ChiSquare(0.0, 0, 1.0)
+    statistic = float(np.sum((o - e) ** 2 / e))
+    return ChiSquare(statistic, len(e) - 1, upper_tail(statistic, len(e) - 1))
+
+
+def upper_tail(statistic: float, freedom: int) -> float:
+    """Probability that chi-square with `freedom` degrees exceeds the statistic: the regularised incomplete gamma Q.
+
+    Series below the mean, Lentz's continued fraction above (Abramowitz and Stegun, 6.5.29 and 6.5.31).
+    """
+    a, x = 0.5 * freedom, 0.5 * statistic
+    if x <= 0.0:
+        return 1.0
+    front = math.exp(max(-745.0, a * math.log(x) - x - math.lgamma(a)))
+    if x < a + 1.0:
+        term = total = 1.0 / a
+        n = a
+        while term > total * 1e-16:
+            n += 1.0
+            term *= x / n
+            total += term
+        return max(0.0, 1.0 - front * total)
+    b = x + 1.0 - a
+    c, d = 1e300, 1.0 / b
+    h = d
+    for i in range(1, 10_000):
+        an = -i * (i - a)
+        b += 2.0
+        d = 1.0 / (an * d + b)
+        c = b + an / c
+        h *= d * c
+        if abs(d * c - 1.0) < 1e-15:
+            break
+    return front * h
