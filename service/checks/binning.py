@@ -75,12 +75,13 @@ class ChiSquare:
     probability: float
 
 
-def chi_square(observed: Array, expected: Array) -> ChiSquare:
-    """Test counts against expectations, both (bins,), which need not have the same total: nothing is fitted.
+def chi_square(observed: Array, expected: Array, uncertainty: Array) -> ChiSquare:
+    """Test counts against expectations known to an uncertainty, all (bins,); nothing is fitted.
 
-    Bins with a low expectation are pooled, in the order of their expectations. The counts are multinomial with the
-    outcome "no bin" among them; that one is the last bin of the caller.
+    Bins with a low expectation are pooled, in the order of their expectations. A difference within the uncertainty of its
+    expectation says nothing and counts as none.
     """
+    expected = np.maximum(expected, 0.0)
     order = np.argsort(expected)
     sums = np.cumsum(expected[order])
     # Pools close where the running sum passes the next multiple of the least expectation.
@@ -89,12 +90,12 @@ def chi_square(observed: Array, expected: Array) -> ChiSquare:
     small_pools = int(pool[~large][-1]) if (~large).any() else 0
     group = np.where(large, 0, np.minimum(pool, max(small_pools - 1, 0)))
     group[large] = np.arange(int(large.sum())) + (max(small_pools, 1) if (~large).any() else 0)
-    e, o = np.bincount(group, expected[order]), np.bincount(group, observed[order])
+    e, o, s = (np.bincount(group, column[order]) for column in (expected, observed, uncertainty))
     if len(e) > 1 and e[0] < EXPECTED_AT_LEAST:  # what is left of all small bins joins the smallest large one
-        e, o = np.concatenate([[e[0] + e[1]], e[2:]]), np.concatenate([[o[0] + o[1]], o[2:]])
+        e, o, s = (np.concatenate([[column[0] + column[1]], column[2:]]) for column in (e, o, s))
     if len(e) < 2:
         return ChiSquare(0.0, 0, 1.0)
-    statistic = float(np.sum((o - e) ** 2 / e))
+    statistic = float(np.sum(np.maximum(np.abs(o - e) - s, 0.0) ** 2 / np.maximum(e, 1e-300)))
     return ChiSquare(statistic, len(e) - 1, upper_tail(statistic, len(e) - 1))
 
 

@@ -79,7 +79,11 @@ def _density_of_preimages(probe: Probe, wo: Array, wi: Array, parameters: Array)
     for _ in range(12):
         w = probe.draw(wo, u, parameters, "double").wi
         du = np.stack([_slope(probe, wo, u, parameters, axis) for axis in (0, 1)], axis=-1)
-        step = np.stack([np.linalg.lstsq(m, wi - x, rcond=None)[0] for m, x in zip(du, w, strict=True)])
+        known = np.isfinite(du).all(axis=(1, 2)) & np.isfinite(w).all(axis=1)
+        u, du, w = u[known], du[known], w[known]
+        if not len(u):
+            return 0.0
+        step = (np.linalg.pinv(du) @ (wi - w)[..., None])[..., 0]
         u = np.clip(u + np.clip(step, -0.02, 0.02), 1e-9, 1 - 1e-9)
     w = probe.draw(wo, u, parameters, "double").wi
     u = u[np.sum((w - wi) ** 2, axis=1) < 1e-16]

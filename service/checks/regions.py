@@ -46,6 +46,33 @@ class Boxes:
         return Boxes(t0, t1, p0, p1, np.repeat(self.cell, 4), np.repeat(self.bin, 4))
 
 
+def cut(boxes: Boxes, area: float) -> Boxes:
+    """The same boxes in pieces of at most this area, finer towards the horizon: no rule should miss a feature there."""
+    for edge in ("t0", "t1"):
+        touching = getattr(boxes, edge) == 1.0
+        boxes = _concatenate([boxes[~touching], *_graded(boxes[touching], edge)])
+    while (large := (boxes.t1 - boxes.t0) * (boxes.p1 - boxes.p0) > area).any():
+        boxes = _concatenate([boxes[~large], boxes[large].quarters()])
+    return boxes
+
+
+def _graded(boxes: Boxes, edge: str) -> list[Boxes]:
+    height = boxes.t1 - boxes.t0
+    shares = (0.0, 1e-3, 1e-2, 1e-1, 1.0)
+    out = []
+    for low, high in zip(shares[:-1], shares[1:], strict=True):
+        if edge == "t0":
+            ends = boxes.t0 + low * height, boxes.t0 + high * height
+        else:
+            ends = boxes.t1 - high * height, boxes.t1 - low * height
+        out.append(Boxes(*ends, boxes.p0, boxes.p1, boxes.cell, boxes.bin))
+    return out
+
+
+def _concatenate(parts: list[Boxes]) -> Boxes:
+    return Boxes(*(np.concatenate([getattr(part, name) for part in parts]) for name in Boxes.__dataclass_fields__))
+
+
 def _weave(*columns: Array) -> Array:
     return np.stack(columns, axis=1).ravel()
 
@@ -99,15 +126,20 @@ def _integrate_once(boxes: Boxes, integrands: Integrands, order: int) -> Array:
 
 @dataclass(frozen=True)
 class Integrals:
-    """Integrals by bin, (k, cells, bins), and an error estimate of each cell's total, (k, cells)."""
+    """Integrals by bin and error estimates of them, both (k, cells, bins)."""
 
     by_bin: Array
-    error: Array
+    error_by_bin: Array
 
     @property
     def total(self) -> Array:
         """Integrals over each cell, (k, cells)."""
         return np.asarray(self.by_bin.sum(axis=-1))
+
+    @property
+    def error(self) -> Array:
+        """Error estimates of the totals, (k, cells)."""
+        return np.asarray(self.error_by_bin.sum(axis=-1))
 
 
 def integrate(
@@ -121,7 +153,7 @@ def integrate(
     values = _integrate_once(boxes, integrands, order)
     cells, bins = shape
     by_bin = np.zeros((len(values), cells * bins))
-    error = np.zeros((len(values), cells))
+    error = np.zeros((len(values), cells * bins))
     spent, scale = 0, None
     while len(boxes):
         children = boxes.quarters()
@@ -133,13 +165,15 @@ def integrate(
             scale = np.zeros((len(values), cells))
             np.add.at(scale, (slice(None), boxes.cell), np.abs(summed))
             scale = np.maximum(scale, 1e-300)
-        is_open = (difference > goal * scale[:, boxes.cell]).any(axis=0)
-        if spent + 16 * order * order * int(is_open.sum()) > points:
-            is_open[:] = False
+        excess = (difference / (goal * scale[:, boxes.cell])).max(axis=0)
+        is_open = excess > 1.0
+        affordable = max(0, points - spent) // (16 * order * order)
+        if is_open.sum() > affordable:
+            is_open[np.argsort(-excess)[affordable:]] = False
         done = ~is_open
         flat = boxes.cell * bins + boxes.bin
         np.add.at(by_bin, (slice(None), flat[done]), summed[:, done])
-        np.add.at(error, (slice(None), boxes.cell[done]), difference[:, done])
+        np.add.at(error, (slice(None), flat[done]), difference[:, done])
         kept = np.repeat(is_open, 4)
         boxes, values = children[kept], fine[:, kept]
-    return Integrals(by_bin.reshape(len(by_bin), cells, bins), error)
+    return Integrals(*(sums.reshape(len(sums), cells, bins) for sums in (by_bin, error)))

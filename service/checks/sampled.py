@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from service.checks.binning import ChiSquare, Tree, boxes_of, chi_square, partition
 from service.checks.effort import FALSE_ALARM, Effort
 from service.checks.outcome import Outcome, failed, not_applicable, passed
-from service.checks.regions import Integrals, coordinates, integrate
+from service.checks.regions import Integrals, coordinates, cut, integrate
 from service.checks.subject import Cells, cells_of, replay
 from service.probe import Probe
 from service.random_numbers import cell_key, random_pairs
@@ -21,11 +21,16 @@ Array = NDArray[Any]
 
 PILOT = 8192
 GOAL = 1e-6
+PIECE = np.pi / 32
+"""Area of a first box of the quadrature at the most: features of this size are seen."""
 NORMALISATION = 1e-4
 """Difference of a density's integral from what it should be that counts, the quadrature's own error apart."""
 
 LOST = 1e-7
 """Share of the reflected light on directions of density zero that counts as not covered."""
+
+EXPECTED_REST = 1e-4
+"""Share of samples without a density from which they are a bin of their own."""
 
 TRUNCATION = 8.0
 """Weights are compared up to so many times the 99.9th percentile of the pilot: a mean with known bounds, whatever the tail."""
@@ -80,7 +85,8 @@ def _integrals(probe: Probe, cells: Cells, trees: list[Tree], limits: Array, eff
         return np.stack([p, reflected, np.where(p > 0, 0.0, reflected), weight * p, weight**2 * p])
 
     bins = max(len(tree.boxes) for tree in trees)
-    return integrate(boxes_of(trees), integrands, (len(cells), bins), GOAL, effort.quadrature)
+    boxes = cut(boxes_of(trees), PIECE)
+    return integrate(boxes, integrands, (len(cells), bins), GOAL, effort.quadrature)
 
 
 def _bernstein(variance: float, bound: float, n: int, rate: float) -> float:
@@ -139,12 +145,13 @@ def check_chi_square(probe: Probe, s: Sampled) -> Outcome:
         observed = tree.hits
         dead = n - int(s.counted[i].sum())
         rest = n - float(expected.sum())
-        tests.append(
-            chi_square(np.append(observed, dead), np.append(expected, max(rest, 0.0)))
-            if rest > EXPECTED_REST * n or dead
-            else chi_square(observed, expected)
-        )
-        residuals.append((observed - expected) / np.sqrt(np.maximum(expected, 1.0)))
+        unsure = 2 * n * s.integrals.error_by_bin[0, i, : len(tree.boxes)]
+        if dead or rest > EXPECTED_REST * n:
+            observed, expected = np.append(observed, dead), np.append(expected, max(rest, 0.0))
+            unsure = np.append(unsure, unsure.sum())
+        tests.append(chi_square(observed, expected, unsure))
+        size = len(tree.boxes)
+        residuals.append(((observed - expected) / np.sqrt(np.maximum(expected, 1.0)))[:size])
     rate = FALSE_ALARM / len(tests)
     probability = np.array([t.probability for t in tests])
     freedom = float(np.median([t.freedom for t in tests]))
@@ -180,9 +187,6 @@ def check_chi_square(probe: Probe, s: Sampled) -> Outcome:
         **evidence,
         bins=bins,
     )
-
-
-EXPECTED_REST = 1e-4
 
 
 def check_coverage(probe: Probe, s: Sampled) -> Outcome:
