@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import struct
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from service.catalogue import Entry
+from lavapipe import CompileError, Pipeline
+from service.catalogue import Entry, Parameter
 from service.engine import Engine
-from service.errors import SamplerscopeError
+from service.errors import SamplerscopeError, ShaderFileError
 from service.variant import Precision
 
 Array = NDArray[Any]
@@ -45,13 +48,21 @@ class Values:
 
 
 class Probe:
-    """A model and a technique, ready to be evaluated. Its parameters are those of `names`, in that order."""
+    """A model and a technique, ready to be evaluated. Its parameters are those of `names`, in that order.
 
-    def __init__(self, engine: Engine, model: Entry, technique: Entry) -> None:
+    `fixed` parameters have their value as their only one in `declared`, the ranges that checks sweep.
+    """
+
+    def __init__(
+        self, engine: Engine, model: Entry, technique: Entry, fixed: Mapping[str, float] = MappingProxyType({})
+    ) -> None:
         self.engine = engine
         self.model = model
         self.technique = technique
-        self.declared = engine.catalogue.parameters_of(model, technique)
+        self.declared = {
+            name: Parameter(min=fixed[name], max=fixed[name], default=fixed[name]) if name in fixed else parameter
+            for name, parameter in engine.catalogue.parameters_of(model, technique).items()
+        }
         self.names = tuple(self.declared)
 
     def draw(self, wo: Array, u: Array, parameters: Array, precision: Precision = "float") -> Values:
@@ -69,7 +80,7 @@ class Probe:
         wo, value, parameters = (np.atleast_2d(np.asarray(a)) for a in (wo, value, parameters))
         count = max(len(wo), len(value), len(parameters))
         out = np.empty((count, 2, 4), _DTYPES[precision])
-        pipeline = self.engine.pipeline(self.model, self.technique, "probe", {0: draw}, precision)
+        pipeline = self._pipeline(precision, draw)
         device, dtype, width = self.engine.device, _DTYPES[precision], max(1, len(self.names))
         step = min(count, LAUNCH_POINTS)
         with (
@@ -95,6 +106,19 @@ class Probe:
                     self._complain(int(np.argmin(done.array[:size])) + first)
                 out[part] = found.array[:size]
         return Values(out[:, 0, :3], out[:, 0, 3], out[:, 1, 0], out[:, 1, 1], out[:, 1, 2], out[:, 1, 3])
+
+    def compile(self) -> None:
+        """Build the float pipelines: raises CompileError with the lines of the file before anything else runs."""
+        for draw in (True, False):
+            self._pipeline("float", draw)
+
+    def _pipeline(self, precision: Precision, draw: bool) -> Pipeline:
+        try:
+            return self.engine.pipeline(self.model, self.technique, "probe", {0: draw}, precision)
+        except CompileError as error:
+            if precision == "float":
+                raise
+            raise ShaderFileError(f"the code compiles, but not with double in place of float: {error}") from None
 
     def _complain(self, index: int) -> None:
         names = " or ".join(dict.fromkeys((self.technique.origin, self.model.origin)))

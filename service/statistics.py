@@ -111,7 +111,7 @@ def _draw(plan: SeriesPlan, scene: Scene, engine: Engine, advance: Callable[[int
 def _series(plan: SeriesPlan, scene: Scene, sums: CellSums, engine: Engine) -> dict[str, Any]:
     angles = scene.angles_deg
     cells = None
-    if scene.reference:
+    if scene.reference and not (plan.model.own or plan.technique.own):
         cells = series_reference(plan.model.name, plan.technique.name, plan.parameters, angles, engine.cache)
     moments = moments_needed(scene)
     statistics = from_power_sums(sums.counted, sums.shift, sums.powers, moments) if moments else None

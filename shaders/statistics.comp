@@ -65,7 +65,7 @@ void main() {
     sums[at + 2u * stride] = s3;
     sums[at + 3u * stride] = s4;
     sums[at + 4u * stride] = largest;
-    counts[at] = drawn;
+    counts[at] = loops_ran(min(gl_NumWorkGroups.x + 1u, 2u)) ? drawn : 0u;
     counts[at + stride] = zero;
     counts[at + 2u * stride] = nonfinite;
     counts[at + 3u * stride] = negative;

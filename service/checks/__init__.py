@@ -6,5 +6,6 @@ densities and values at inputs of its choice, in float32 as a renderer would and
 
 from service.checks.battery import Battery, check_models, check_technique, run_battery
 from service.checks.outcome import NAMES, Outcome
+from service.checks.selection import Subject, select
 
-__all__ = ["NAMES", "Battery", "Outcome", "check_models", "check_technique", "run_battery"]
+__all__ = ["NAMES", "Battery", "Outcome", "Subject", "check_models", "check_technique", "run_battery", "select"]

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from service.catalogue import Entry
 from service.checks import continuity, jacobian, model, points, sampled, tails
 from service.checks.effort import FULL, QUICK
-from service.checks.outcome import NAMES, OF_THE_MODEL, Outcome
+from service.checks.outcome import NAMES, Outcome
+from service.checks.selection import Subject
 from service.engine import Engine
 from service.probe import Probe
 
@@ -69,24 +69,30 @@ def check_models(probe: Probe, battery: Battery) -> list[Outcome]:
 
 
 def run_battery(
-    engine: Engine,
-    the_model: Entry,
-    techniques: list[Entry],
-    battery: Battery,
-    progress: Progress = lambda *_: None,
+    engine: Engine, subject: Subject, battery: Battery, progress: Progress = lambda *_: None
 ) -> dict[str, Any]:
-    """A result of kind `check` without `subject`: the model's own checks once, those of techniques for each."""
+    """A result of kind `check`: the model's own checks once, those of techniques for each.
+
+    Raises CompileError with the file's lines, ShaderFileError for code that cannot be widened to double, LoopLimitReached.
+    """
     begin = time.perf_counter()
-    progress(f"{the_model.name}: reciprocity and energy", 0, 4)
-    checks = [o.as_data(None) for o in check_models(Probe(engine, the_model, techniques[0]), battery)]
-    for technique in techniques:
-        probe = Probe(engine, the_model, technique)
-        checks += [o.as_data(technique.name) for o in check_technique(probe, battery, progress)]
+    probes = [Probe(engine, subject.model, technique, subject.fixed) for technique in subject.techniques]
+    for probe in probes:
+        progress(f"{probe.technique.name}: compiling", 0, 4)
+        probe.compile()
+    progress(f"{subject.model.name}: reciprocity and energy", 0, 4)
+    checks = [outcome.as_data(None) for outcome in check_models(probes[0], battery)]
+    for probe in probes:
+        checks += [outcome.as_data(probe.technique.name) for outcome in check_technique(probe, battery, progress)]
+    for check in checks:
+        if check["replay"] is not None:
+            check["replay"]["command"] = subject.replay_command(check["replay"])
     info = engine.device.info
     return {
         "kind": "check",
-        "subject": "",
-        "model": the_model.name,
+        "subject": subject.given,
+        "model": subject.model.name,
+        "techniques": [technique.name for technique in subject.techniques],
         "status": "fail" if any(check["status"] == "fail" for check in checks) else "pass",
         "checks": checks,
         "run": {
@@ -97,6 +103,3 @@ def run_battery(
             "elapsed_ms": 1e3 * (time.perf_counter() - begin),
         },
     }
-
-
-__all__ = ["OF_THE_MODEL", "Battery", "Progress", "check_models", "check_technique", "run_battery"]

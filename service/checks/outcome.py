@@ -29,9 +29,6 @@ NAMES = (
 )
 """Every check, in the order of a report."""
 
-OF_THE_MODEL = frozenset({"reciprocity", "energy"})
-"""Checks that no technique takes part in."""
-
 
 @dataclass(frozen=True)
 class Outcome:

@@ -30,7 +30,7 @@ def scene_options(command: Command) -> Command:
     """The options that make up a scene, with the names of its fields."""
     for option in reversed(
         (
-            click.option("--model", default="eon", show_default=True, metavar="NAME", help="The BRDF."),
+            click.option("--model", default="eon", show_default=True, metavar="NAME|FILE", help="The BRDF, or a file."),
             click.option(
                 "--set", "settings", multiple=True, metavar="NAME=V1,V2,...",
                 help="Values of a parameter; several values sweep it, several sweeps form a product.",
@@ -86,6 +86,11 @@ def scene_data(
         error_bars=not no_error_bars,
         reference=not no_reference,
     )
+
+
+def is_file(given: str) -> bool:
+    """Whether the text means a user's shader file rather than a name of the catalogue."""
+    return given.endswith(".glsl") or "/" in given
 
 
 def given(**fields: Any) -> dict[str, Any]:

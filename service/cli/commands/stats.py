@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from service.cli.delivery import ProgressLine, deliver
-from service.cli.options import output_options, scene_data, scene_options
+from service.cli.options import is_file, output_options, scene_data, scene_options
 from service.scene import Scene, parse_scene
 
 
@@ -15,9 +15,29 @@ from service.scene import Scene, parse_scene
 @scene_options
 @output_options
 def stats(format_: str | None, outputs: tuple[str, ...], device: str | None, **options: Any) -> None:
-    """Mean, variance and largest weight of techniques across view angles."""
-    scene = parse_scene(scene_data(**options))
-    deliver(lambda: statistics_of(scene, device), format_, outputs)
+    """Mean, variance and largest weight of techniques across view angles. The model may be a .glsl file."""
+    path = options["model"]
+    if not is_file(path):
+        scene = parse_scene(scene_data(**options))
+        deliver(lambda: statistics_of(scene, device), format_, outputs)
+        return
+    deliver(lambda: statistics_of_file(path, options, device), format_, outputs)
+
+
+def statistics_of_file(path: str, options: dict[str, Any], device: str | None) -> dict[str, Any]:
+    """Answer a scene whose model, or technique, is a user's file, in a process of its own."""
+    from service.catalogue import load_catalogue
+    from service.checks.selection import DEFAULT_TECHNIQUES, select
+    from service.isolation import run_isolated
+
+    subject = select(path, load_catalogue())
+    data = scene_data(**{**options, "model": subject.model.name})
+    if "techniques" not in data:
+        roles = [entry.name for entry in subject.techniques]
+        data["techniques"] = roles if subject.techniques[0].own else list(DEFAULT_TECHNIQUES)
+    parse_scene(data)
+    with ProgressLine() as progress:
+        return run_isolated("statistics", {"file": path, "scene": data, "device": device}, progress)
 
 
 def statistics_of(scene: Scene, device: str | None) -> dict[str, Any]:
