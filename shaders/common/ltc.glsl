@@ -72,15 +72,21 @@ float cltc_density(LtcLobe lobe, vec3 w) {
     return w.z > 0.0 ? ltc_density(lobe, w) / cltc_area(lobe) : 0.0;
 }
 
-// The disk point (x, y), x^2 + y^2 = 1 - u1, is squeezed along x into half disk and half ellipse. The squared cosine
-// 1 - x^2 - y^2 of the result is formed from factors that do not cancel: with q^2 = 1 - y^2, 1 - x0^2 - y^2 = u1 exactly.
+// The disk point (x0, y), x0^2 + y^2 = 1 - u1, is squeezed along x into half disk and half ellipse: x = q (1 - A) + A x0
+// with q^2 = 1 - y^2. The squared cosine q^2 - x^2 of the result is a product of sums of positive terms: nothing cancels,
+// because (q - x0)(q + x0) = u1.
 DirectionSample cltc_sample(LtcLobe lobe, vec2 u) {
     float area = cltc_area(lobe);
+    float root = sqrt(1.0 + lobe.d * lobe.d);
+    float clipped = 0.5 * lobe.d * lobe.d / (root * (1.0 + root)); // 1 - area
     vec2 disk = sqrt(1.0 - u.x) * point_on_circle(u.y);
     float q = sqrt(disk.x * disk.x + u.x);
-    float gap = disk.x > 0.0 ? u.x / (q + disk.x) : q - disk.x;
-    float cosine = sqrt(area * gap * (q * (2.0 - area) + area * disk.x));
-    float x = q * (1.0 - area) + area * disk.x;
+    float large = q + abs(disk.x);
+    float small = u.x / large;
+    float minus = disk.x > 0.0 ? small : large;
+    float plus = disk.x > 0.0 ? large : small;
+    float cosine = sqrt(area * minus * (2.0 * q * clipped + area * plus));
+    float x = q * clipped + area * disk.x;
     vec3 h = vec3(lobe.d > 0.0 ? x : -x, disk.y, cosine);
     DirectionSample s = ltc_transform(lobe, h, INV_PI * cosine / area);
     s.wi.z = max(s.wi.z, 0.0);
