@@ -121,7 +121,8 @@ class Probe:
             raise ShaderFileError(f"the code compiles, but not with double in place of float: {error}") from None
 
     def _complain(self, index: int) -> None:
-        names = " or ".join(dict.fromkeys((self.technique.origin, self.model.origin)))
+        entries = [e for e in (self.technique, self.model) if e.own] or [self.technique, self.model]
+        names = " or ".join(dict.fromkeys(entry.origin for entry in entries))
         raise LoopLimitReached(
             f"{names}: loops ran to the limit of 65,535 iterations of one invocation (first at input {index}); "
             "a loop without end, or one too long for the driver"

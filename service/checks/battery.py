@@ -15,6 +15,7 @@ from service.checks.outcome import NAMES, Outcome
 from service.checks.selection import Subject
 from service.engine import Engine
 from service.probe import Probe
+from service.stability import survey_pair
 
 Progress = Callable[[str, int, int], None]
 
@@ -84,7 +85,17 @@ def run_battery(
     checks = [outcome.as_data(None) for outcome in check_models(probes[0], battery)]
     for probe in probes:
         checks += [outcome.as_data(probe.technique.name) for outcome in check_technique(probe, battery, progress)]
-    for check in checks:
+    stability: dict[str, list[dict[str, Any]]] | None = None
+    if not battery.quick:
+        stability = {"regions": [], "exceptions": [], "stiffness": [], "checks": []}
+        for done, technique in enumerate(subject.techniques):
+            progress(f"{technique.name}: edge grid", 3, 4)
+            given = {name: [value] for name, value in subject.fixed.items()}
+            one = survey_pair(engine, subject.model, technique, given, first=done == 0)
+            for name, items in one.items():
+                stability[name] += items
+    edges = stability["checks"] if stability else []
+    for check in [*checks, *edges]:
         if check["replay"] is not None:
             check["replay"]["command"] = subject.replay_command(check["replay"])
     info = engine.device.info
@@ -93,8 +104,9 @@ def run_battery(
         "subject": subject.given,
         "model": subject.model.name,
         "techniques": [technique.name for technique in subject.techniques],
-        "status": "fail" if any(check["status"] == "fail" for check in checks) else "pass",
+        "status": "fail" if any(check["status"] == "fail" for check in [*checks, *edges]) else "pass",
         "checks": checks,
+        "stability": stability,
         "run": {
             "device": info.name,
             "driver": info.driver_version,

@@ -11,6 +11,7 @@ from service.checks import Battery, run_battery, select
 from service.checks.replaying import replay_inputs
 from service.engine import Engine
 from service.scene import parse_scene, resolve
+from service.stability import compute_stability
 from service.statistics import compute_statistics
 
 Arguments = Mapping[str, Any]
@@ -34,15 +35,39 @@ def replay(arguments: Arguments, progress: Progress) -> dict[str, Any]:
 
 def statistics(arguments: Arguments, progress: Progress) -> dict[str, Any]:
     """Statistics of a scene whose model or technique is a user's file."""
-    catalogue = load_catalogue().with_file(Path(arguments["file"]))
+    return _of_scene(compute_statistics, arguments, progress)
+
+
+def stability(arguments: Arguments, progress: Progress) -> dict[str, Any]:
+    """Stability of a scene whose model or technique may be a user's file."""
+    return _of_scene(compute_stability, arguments, progress)
+
+
+def _of_scene(compute: Callable[..., dict[str, Any]], arguments: Arguments, progress: Progress) -> dict[str, Any]:
+    catalogue = load_catalogue()
+    if arguments["file"] is not None:
+        catalogue = catalogue.with_file(Path(arguments["file"]))
     question = resolve(parse_scene(arguments["scene"]), catalogue)
     progress("compiling", 0, 1)
     with Engine.open(catalogue, device=arguments["device"]) as engine:
-        return compute_statistics(question, engine, progress)
+        return compute(question, engine, progress)
+
+
+def file_scene(path: str, scene: Mapping[str, Any]) -> dict[str, Any]:
+    """A scene whose model is given as a path: by name, with the techniques that go with the file.
+
+    A file of a technique runs on the model it is made for. Raises as reading the file and checking the scene do.
+    """
+    subject = select(path, load_catalogue())
+    techniques = scene.get("techniques") or [technique.name for technique in subject.techniques]
+    out = {**scene, "model": subject.model.name, "techniques": techniques}
+    resolve(parse_scene(out), subject.catalogue)
+    return out
 
 
 TASKS: Mapping[str, Callable[[Arguments, Progress], dict[str, Any]]] = {
     "check": check,
     "replay": replay,
     "statistics": statistics,
+    "stability": stability,
 }

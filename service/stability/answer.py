@@ -37,9 +37,7 @@ def compute_stability(question: Question, engine: Engine, progress: Progress = l
     found: dict[str, list[dict[str, Any]]] = {"regions": [], "exceptions": [], "stiffness": [], "checks": []}
     for done, (model, technique) in enumerate(pairs):
         progress(f"{technique.name}: edge grid", done, len(pairs))
-        # What the model alone answers is the same for every technique: it is compared once.
-        given = ("brdf", "albedo")[: 1 + ("directional_albedo" in model.declared)] if done == 0 else ()
-        one = _pair(engine, model, technique, scene.parameters, (*given, "direction_pdf"))
+        one = survey_pair(engine, model, technique, scene.parameters, first=done == 0)
         for name, items in one.items():
             found[name] += items
     info = engine.device.info
@@ -56,9 +54,15 @@ def compute_stability(question: Question, engine: Engine, progress: Progress = l
     }
 
 
-def _pair(
-    engine: Engine, model: Entry, technique: Entry, given: Mapping[str, list[float]], quantities: tuple[str, ...]
+def survey_pair(
+    engine: Engine, model: Entry, technique: Entry, given: Mapping[str, list[float]], *, first: bool
 ) -> dict[str, list[dict[str, Any]]]:
+    """Regions, exceptions, stiffness and the check of one model and technique.
+
+    What the model alone answers is the same for every technique: it is compared with the first one only.
+    """
+    of_the_model = ("brdf", "albedo")[: 1 + ("directional_albedo" in model.declared)] if first else ()
+    quantities = (*of_the_model, "direction_pdf")
     probe = Probe(engine, model, technique)
     probe.compile()
     areas, listed, counts = [], [], {"points": 0, "nonfinite": 0, "wrong": 0}

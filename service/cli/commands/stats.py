@@ -26,18 +26,12 @@ def stats(format_: str | None, outputs: tuple[str, ...], device: str | None, **o
 
 def statistics_of_file(path: str, options: dict[str, Any], device: str | None) -> dict[str, Any]:
     """Answer a scene whose model, or technique, is a user's file, in a process of its own."""
-    from service.catalogue import load_catalogue
-    from service.checks.selection import DEFAULT_TECHNIQUES, select
     from service.isolation import run_isolated
+    from service.isolation.tasks import file_scene
 
-    subject = select(path, load_catalogue())
-    data = scene_data(**{**options, "model": subject.model.name})
-    if "techniques" not in data:
-        roles = [entry.name for entry in subject.techniques]
-        data["techniques"] = roles if subject.techniques[0].own else list(DEFAULT_TECHNIQUES)
-    parse_scene(data)
+    scene = file_scene(path, scene_data(**options))
     with ProgressLine() as progress:
-        return run_isolated("statistics", {"file": path, "scene": data, "device": device}, progress)
+        return run_isolated("statistics", {"file": path, "scene": scene, "device": device}, progress)
 
 
 def statistics_of(scene: Scene, device: str | None) -> dict[str, Any]:
