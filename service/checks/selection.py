@@ -27,13 +27,18 @@ class Subject:
 
     def replay_command(self, inputs: Mapping[str, Any]) -> str:
         """The command that evaluates these inputs again and shows every value."""
-        words = ["samplerscope", "check", self.given, "--model", inputs["model"], "--technique", inputs["technique"]]
-        for name, value in inputs["parameters"].items():
-            words += ["--set", f"{name}={value!r}"]
-        for name in ("wo", "u", "wi"):
-            if f"{name}_bits" in inputs:
-                words += [f"--{name}", ",".join(inputs[f"{name}_bits"])]
-        return shlex.join(words)
+        return replay_command(self.given, inputs)
+
+
+def replay_command(given: str, inputs: Mapping[str, Any]) -> str:
+    """The command that evaluates a model and technique at exact inputs; `given` is a file or a name of the catalogue."""
+    words = ["samplerscope", "check", given, "--model", inputs["model"], "--technique", inputs["technique"]]
+    for name, value in inputs["parameters"].items():
+        words += ["--set", f"{name}={value!r}"]
+    for name in ("wo", "u", "wi"):
+        if f"{name}_bits" in inputs:
+            words += [f"--{name}", ",".join(inputs[f"{name}_bits"])]
+    return shlex.join(words)
 
 
 def is_file(given: str) -> bool:

@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from service.catalogue import load_catalogue
-from service.checks import Battery, run_battery, select
+from service.checks.battery import Battery, run_battery
 from service.checks.replaying import replay_inputs
+from service.checks.selection import select
 from service.engine import Engine
 from service.scene import parse_scene, resolve
 from service.stability import compute_stability

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from service.catalogue import Entry
 from service.checks.outcome import plain
+from service.checks.selection import replay_command
 from service.engine import Engine
 from service.probe import Probe
 from service.scene import Question
@@ -38,6 +39,10 @@ def compute_stability(question: Question, engine: Engine, progress: Progress = l
     for done, (model, technique) in enumerate(pairs):
         progress(f"{technique.name}: edge grid", done, len(pairs))
         one = survey_pair(engine, model, technique, scene.parameters, first=done == 0)
+        given = next((entry.origin for entry in (technique, model) if entry.own), technique.name)
+        for check in one["checks"]:
+            if check["replay"] is not None:
+                check["replay"]["command"] = replay_command(given, check["replay"])
         for name, items in one.items():
             found[name] += items
     info = engine.device.info

@@ -31,9 +31,23 @@ def text(result: Mapping[str, Any]) -> str:
             if check["technique"] == group:
                 lines += check_lines(check)
         lines.append("")
+    if result.get("stability"):
+        lines += ["edge grid, float32 against float64", *_stability(result["stability"]), ""]
     run = result["run"]
     lines.append(f"{run['device']}, {run['elapsed_ms'] / 1e3:.1f} s, seed {run['seed']}" + (", quick" if run["quick"] else ""))
     return "\n".join(lines) + "\n"
+
+
+def _stability(stability: Mapping[str, Any]) -> list[str]:
+    """The check of each technique, and how many points are beyond the limit for which reason."""
+    lines = []
+    for check in stability["checks"]:
+        lines += check_lines(check | {"name": check["technique"]})
+        for e in stability["exceptions"]:
+            if e["technique"] == check["technique"]:
+                words = f"{e['quantity']}, {e['points']:,} points up to {e['worst_ulp']:.3g} ulp: {e['reason']}"
+                lines += textwrap.wrap(words, _WIDTH, initial_indent=" " * 27, subsequent_indent=" " * 29)
+    return lines
 
 
 def check_lines(check: Mapping[str, Any]) -> list[str]:
