@@ -148,7 +148,9 @@ def read_own_file(path: Path) -> Entry:
     entry = replace(read_entry(text, str(path)), own=True)
     for line, word in glsl.words(text):
         if word in _RESOURCES:
-            raise ShaderFileError(f"{path}:{line}: {word}: a model or technique has no buffers, layouts or shared memory")
+            raise ShaderFileError(
+                f"{path}:{line}: {word}: a model or technique has no buffers, layouts or shared memory"
+            )
     return entry
 
 

@@ -1,4 +1,6 @@
-"""The probe: a model and a technique evaluated at single inputs, in float32 as a renderer would or in float64 as truth."""
+"""The probe: a model and a technique evaluated at single inputs, in float32 as a renderer would or in float64 as
+truth.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +35,8 @@ class Values:
     """What the probe found, each of shape (n,) but `wi` (n, 3); float32 or float64 as asked, never laundered.
 
     pdf is the density that came with a drawn direction (0 where wi was given), direction_pdf the technique's own
-    answer for wi. weight is f cos/pdf, with direction_pdf where wi was given. albedo is 0 where the model declares none.
+    answer for wi. weight is f cos/pdf, with direction_pdf where wi was given. albedo is 0 where the model declares
+    none.
     """
 
     wi: Array

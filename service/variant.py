@@ -37,9 +37,7 @@ class Variant:
     name: str
 
 
-def compose(
-    catalogue: Catalogue, model: Entry, technique: Entry, job: str, precision: Precision = "float"
-) -> Variant:
+def compose(catalogue: Catalogue, model: Entry, technique: Entry, job: str, precision: Precision = "float") -> Variant:
     """The source of one job (`statistics` or `probe`) for a model and a technique.
 
     In double precision every `float` of code, includes and job is a double, buffers too: the float64 truth of the same

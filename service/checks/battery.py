@@ -74,7 +74,8 @@ def run_battery(
 ) -> dict[str, Any]:
     """A result of kind `check`: the model's own checks once, those of techniques for each.
 
-    Raises CompileError with the file's lines, ShaderFileError for code that cannot be widened to double, LoopLimitReached.
+    Raises CompileError with the file's lines, ShaderFileError for code that cannot be widened to double,
+    LoopLimitReached.
     """
     begin = time.perf_counter()
     probes = [Probe(engine, subject.model, technique, subject.fixed) for technique in subject.techniques]

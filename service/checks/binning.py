@@ -1,6 +1,7 @@
 """Bins of directions that follow the directions themselves, and the chi-square test over them.
 
-Boxes are split at the median of a pilot sample, alternately by elevation and by azimuth, so that a lobe of any width gets
+Boxes are split at the median of a pilot sample, alternately by elevation and by azimuth, so that a lobe of any width
+gets
 bins of equal weight without anyone telling where it is.
 """
 
@@ -48,7 +49,9 @@ def partition(t: Array, phi: Array, pilot: int, depth: int) -> Tree:
             hits.append(int(np.count_nonzero(rows >= pilot)))
             return
         below = (t if by_t else phi)[rows] < middle
-        lower, upper = ((t0, middle, p0, p1), (middle, t1, p0, p1)) if by_t else ((t0, t1, p0, middle), (t0, t1, middle, p1))
+        lower, upper = (
+            ((t0, middle, p0, p1), (middle, t1, p0, p1)) if by_t else ((t0, t1, p0, middle), (t0, t1, middle, p1))
+        )
         split(rows[below], lower, level + 1)
         split(rows[~below], upper, level + 1)
 
@@ -60,10 +63,10 @@ def partition(t: Array, phi: Array, pilot: int, depth: int) -> Tree:
 
 def boxes_of(trees: list[Tree]) -> Boxes:
     """The leaves of all cells as boxes; the bin is the leaf's number."""
-    columns = np.concatenate([tree.boxes for tree in trees]).T
+    t0, t1, p0, p1 = np.concatenate([tree.boxes for tree in trees]).T
     cell = np.concatenate([np.full(len(tree.boxes), i) for i, tree in enumerate(trees)])
     number = np.concatenate([np.arange(len(tree.boxes)) for tree in trees])
-    return Boxes(*columns, cell, number)
+    return Boxes(t0, t1, p0, p1, cell, number)
 
 
 @dataclass(frozen=True)
@@ -78,7 +81,8 @@ class ChiSquare:
 def chi_square(observed: Array, expected: Array, uncertainty: Array) -> ChiSquare:
     """Test counts against expectations known to an uncertainty, all (bins,); nothing is fitted.
 
-    Bins with a low expectation are pooled, in the order of their expectations. A difference within the uncertainty of its
+    Bins with a low expectation are pooled, in the order of their expectations. A difference within the uncertainty of
+    its
     expectation says nothing and counts as none.
     """
     expected = np.maximum(expected, 0.0)

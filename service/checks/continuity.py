@@ -1,4 +1,6 @@
-"""Continuity of BRDF and density across seams of the azimuth and at the ends of parameter ranges, in double precision."""
+"""Continuity of BRDF and density across seams of the azimuth and at the ends of parameter ranges, in double
+precision.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +35,8 @@ def check_continuity(probe: Probe, points: int, rng: np.random.Generator) -> Out
     ]
     found = seams + ends
     power = (
-        f"{count:,} random inputs at {len(_SEAMS)} azimuths and {len(ends)} ends of ranges; a jump above {JUMP:g} of the value in"
+        f"{count:,} random inputs at {len(_SEAMS)} azimuths and {len(ends)} ends of ranges; a jump above "
+        f"{JUMP:g} of the value in"
         f" more than {SHARE:.1%}"
     )
     worst = max(found, key=lambda item: float((item[1] > JUMP).mean()))
@@ -86,7 +89,9 @@ def _across_seam(probe: Probe, turn: float, count: int, rng: np.random.Generator
     return np.maximum(*stays), _turned(z, np.full(count, 2 * np.pi * turn)), wi, parameters
 
 
-def _at_end(probe: Probe, column: int, end: str, count: int, rng: np.random.Generator) -> tuple[Array, Array, Array, Array]:
+def _at_end(
+    probe: Probe, column: int, end: str, count: int, rng: np.random.Generator
+) -> tuple[Array, Array, Array, Array]:
     """Jump between a parameter's end and its limit: as close as double precision goes, 1e-290 next to 0."""
     p = list(probe.declared.values())[column]
     wo, wi = _directions(rng, count), _directions(rng, count)

@@ -41,15 +41,21 @@ def check_jacobian(probe: Probe, points: int, rng: np.random.Generator) -> Outco
             sums = np.array([_density_of_preimages(probe, wo[i], wi[i], parameters[i]) for i in excess])
             if np.mean(np.abs(sums / pdf[excess] - 1.0) < 0.01) > 0.9:
                 wrong = wrong[:0]
-    power = f"{count:,} random inputs in double precision; a difference above {TOLERANCE:g} in more than {SHARE:.1%} of them"
+    power = (
+        f"{count:,} random inputs in double precision; a difference above {TOLERANCE:g} in more than "
+        f"{SHARE:.1%} of them"
+    )
     share = len(wrong) / count
     if share <= SHARE:
         typical = float(np.median(off[counts])) if counts.any() else 0.0
-        return passed("jacobian", f"the density is the inverse of the Jacobian within {typical:.1g} (median)", power, share=share)
+        return passed(
+            "jacobian", f"the density is the inverse of the Jacobian within {typical:.1g} (median)", power, share=share
+        )
     i = int(wrong[np.argsort(off[wrong])[len(wrong) // 2]])
     return failed(
         "jacobian",
-        f"the density times the Jacobian is {pdf[i] * area[i]:.5g} instead of 1 (median of the {share:.1%} that are off)",
+        f"the density times the Jacobian is {pdf[i] * area[i]:.5g} instead of 1 (median of the "
+        f"{share:.1%} that are off)",
         power,
         replay(probe, wo[i], parameters[i], u=u[i]),
         share=share,

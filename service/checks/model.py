@@ -22,12 +22,15 @@ ENERGY_LIMIT = 1.001
 DECLARED = 2e-4
 """Difference of the declared directional albedo from the integral, as a share of it, that counts."""
 
+_NORMAL = np.array([0.0, 0.0, 1.0])
 _VIEWS = np.radians([1.0, 30.0, 60.0, 75.0, 85.0, 89.0, 89.9])
 
 
 def check_reciprocity(probe: Probe, points: int, rng: np.random.Generator) -> Outcome:
     """f(wi, wo) = f(wo, wi)."""
-    wi, wo = (view_directions(np.arccos(rng.uniform(0.01, 1, points)), rng.uniform(0, 2 * np.pi, points)) for _ in range(2))
+    wi, wo = (
+        view_directions(np.arccos(rng.uniform(0.01, 1, points)), rng.uniform(0, 2 * np.pi, points)) for _ in range(2)
+    )
     parameters = random_settings(probe.declared, 256, rng)[rng.integers(0, 256, points)]
     there = probe.evaluate(wo, wi, parameters, "double").brdf
     back = probe.evaluate(wi, wo, parameters, "double").brdf
@@ -38,9 +41,16 @@ def check_reciprocity(probe: Probe, points: int, rng: np.random.Generator) -> Ou
     wrong = counts & (off > RECIPROCITY)
     share = float(wrong.sum() / max(1, counts.sum()))
     largest = float(np.max(off[counts], initial=0.0))
-    power = f"{points:,} random pairs of directions; a relative difference above {RECIPROCITY:g} in more than {SHARE:.1%}"
+    power = (
+        f"{points:,} random pairs of directions; a relative difference above {RECIPROCITY:g} in more than {SHARE:.1%}"
+    )
     if share <= SHARE:
-        return passed("reciprocity", f"f(wi, wo) = f(wo, wi) within {np.median(off[counts]) if counts.any() else 0:.1g} (median)", power, share=share)
+        return passed(
+            "reciprocity",
+            f"f(wi, wo) = f(wo, wi) within {np.median(off[counts]) if counts.any() else 0:.1g} (median)",
+            power,
+            share=share,
+        )
     i = int(np.argmax(np.where(wrong, off, -1)))
     return failed(
         "reciprocity",
@@ -72,7 +82,9 @@ def albedos(
 
 def check_energy(probe: Probe, effort: Effort, rng: np.random.Generator) -> Outcome:
     """No view reflects more light than it gets, at any setting; a declared albedo is the integral."""
-    values = np.concatenate([settings(probe.declared, effort.energy_rows), random_settings(probe.declared, effort.energy_rows, rng)])
+    values = np.concatenate(
+        [settings(probe.declared, effort.energy_rows), random_settings(probe.declared, effort.energy_rows, rng)]
+    )
     parameters = np.repeat(values, len(_VIEWS), axis=0)
     theta = np.tile(_VIEWS, len(values))
     albedo, declared, error = albedos(probe, theta, parameters, effort.quadrature // 2)
@@ -81,7 +93,8 @@ def check_energy(probe: Probe, effort: Effort, rng: np.random.Generator) -> Outc
     for _ in range(effort.energy_rounds):
         theta, parameters, albedo = _nearby(probe, theta, parameters, albedo, effort, rng)
     power = (
-        f"{len(values)} settings at {len(_VIEWS)} views, then {effort.energy_rounds} rounds of search around the largest; an"
+        f"{len(values)} settings at {len(_VIEWS)} views, then {effort.energy_rounds} rounds of search "
+        f"around the largest; an"
         f" albedo above {ENERGY_LIMIT:g} that covers more than a hundredth of the ranges"
     )
     best = np.argsort(-albedo)[:6]
@@ -95,7 +108,7 @@ def check_energy(probe: Probe, effort: Effort, rng: np.random.Generator) -> Outc
         "parameters": parameters[top],
         "curve": _curve(probe, parameters[top]),
     }
-    again = replay(probe, view_directions(theta[top : top + 1], np.zeros(1))[0], parameters[top], wi=(0.0, 0.0, 1.0))
+    again = replay(probe, view_directions(theta[top : top + 1], np.zeros(1))[0], parameters[top], wi=_NORMAL)
     if albedo[top] - error[top] > ENERGY_LIMIT:
         return failed(
             "energy",
@@ -110,9 +123,10 @@ def check_energy(probe: Probe, effort: Effort, rng: np.random.Generator) -> Outc
         angle = float(np.tile(_VIEWS, len(values))[worst])
         return failed(
             "energy",
-            f"directional_albedo is off the integral of f cos by {off[worst]:.3g} of it, at {math.degrees(angle):.4g} degrees",
+            f"directional_albedo is off the integral of f cos by {off[worst]:.3g} of it, at "
+            f"{math.degrees(angle):.4g} degrees",
             power,
-            replay(probe, view_directions(np.array([angle]), np.zeros(1))[0], row, wi=(0.0, 0.0, 1.0)),
+            replay(probe, view_directions(np.array([angle]), np.zeros(1))[0], row, wi=_NORMAL),
             declared_difference=float(off[worst]),
             **evidence,
         )
@@ -133,7 +147,9 @@ def _nearby(
         near = np.clip(values[:, i] + rng.normal(0, 0.08, count) * (p.max - p.min), p.min, p.max)
         scaled = np.clip(values[:, i] * np.exp(rng.normal(0, 0.3, count)), p.min, p.max)
         pick = rng.random(count)
-        values[:, i] = np.where(pick < 0.4, values[:, i], np.where(pick < 0.6, near, np.where(pick < 0.8, scaled, fresh)))
+        values[:, i] = np.where(
+            pick < 0.4, values[:, i], np.where(pick < 0.6, near, np.where(pick < 0.8, scaled, fresh))
+        )
     rows = values.astype(np.float32)
     found, _, _ = albedos(probe, angle, rows, effort.quadrature // 4)
     theta, parameters = np.concatenate([theta[best], angle]), np.concatenate([parameters[best], rows])

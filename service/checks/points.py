@@ -1,4 +1,6 @@
-"""Checks of single values: finite, non-negative, on the sphere, above the horizon, and one density from both functions."""
+"""Checks of single values: finite, non-negative, on the sphere, above the horizon, and one density from both
+functions.
+"""
 
 from __future__ import annotations
 
@@ -58,7 +60,12 @@ def _edge_inputs(probe: Probe, limit: int, rng: np.random.Generator) -> tuple[Ar
     u1, u2, i, k, row = (
         a.ravel()
         for a in np.meshgrid(
-            EDGE_NUMBERS, EDGE_NUMBERS, np.arange(len(cosines)), np.arange(len(turns)), np.arange(len(rows)), indexing="ij"
+            EDGE_NUMBERS,
+            EDGE_NUMBERS,
+            np.arange(len(cosines)),
+            np.arange(len(turns)),
+            np.arange(len(rows)),
+            indexing="ij",
         )
     )
     if len(u1) > limit:
@@ -79,17 +86,23 @@ def _replay(probe: Probe, points: Points, i: int) -> dict[str, Any]:
 
 def check_finite(probe: Probe, points: Points) -> Outcome:
     """No direction, density, value or weight is NaN or infinite, but where the true value has no float32."""
-    power = f"{len(points.wo):,} inputs, {points.edges:,} of them where ranges end; bits are looked at before anything else"
+    power = (
+        f"{len(points.wo):,} inputs, {points.edges:,} of them where ranges end; bits are looked at before anything else"
+    )
     a, b = points.single, points.double
-    bad = ~np.isfinite(a.wi).all(axis=1)
-    beyond = np.zeros(len(bad), bool)
+    bad: Array = ~np.asarray(np.isfinite(a.wi).all(axis=1))
+    beyond: Array = np.zeros(len(bad), np.bool_)
     for name in ("pdf", "direction_pdf", "brdf", "weight"):
         single, double = getattr(a, name), getattr(b, name)
         # An infinite or huge truth has no float32; a NaN in double precision is no truth.
         excused = np.isinf(single) & ((np.abs(double) > FLOAT32_MAX) | np.isinf(double))
-        bad |= ~np.isfinite(single) & ~excused
-        beyond |= excused
-    names = [name for name in ("wi", "pdf", "direction_pdf", "brdf", "weight") if not np.isfinite(getattr(a, name)[bad]).all()]
+        bad = bad | (~np.isfinite(single) & ~excused)
+        beyond = beyond | excused
+    names = [
+        name
+        for name in ("wi", "pdf", "direction_pdf", "brdf", "weight")
+        if not np.isfinite(getattr(a, name)[bad]).all()
+    ]
     count = int(bad.sum())
     if not count:
         return passed("finite", f"{len(bad):,} inputs give finite values", power, beyond_float32=int(beyond.sum()))
@@ -152,13 +165,16 @@ def check_hemisphere(probe: Probe, points: Points) -> Outcome:
     below = (points.single.wi[:, 2] < 0) & (points.single.pdf > 0)
     share = float(below.mean())
     if probe.technique.head.below_horizon:
-        return passed("hemisphere", f"{share:.3g} of the directions lie below the horizon, as declared", power, share=share)
+        return passed(
+            "hemisphere", f"{share:.3g} of the directions lie below the horizon, as declared", power, share=share
+        )
     if not below.any():
         return passed("hemisphere", "no direction lies below the horizon", power, share=0.0)
     i = _worst(below, -points.single.wi[:, 2])
     return failed(
         "hemisphere",
-        f"{share:.3g} of the directions lie below the horizon (z down to {points.single.wi[i, 2]:.3g}), and the head does not"
+        f"{share:.3g} of the directions lie below the horizon (z down to {points.single.wi[i, 2]:.3g}), "
+        f"and the head does not"
         " say below_horizon = true",
         power,
         _replay(probe, points, i),
@@ -170,7 +186,8 @@ def check_pdf_agreement(probe: Probe, points: Points) -> Outcome:
     """The density that comes with a direction is what `direction_pdf` says of that direction."""
     inside = slice(points.edges, None)
     power = (
-        f"{len(points.wo) - points.edges:,} random inputs in double precision; a difference above {DISAGREEMENT:g} in more"
+        f"{len(points.wo) - points.edges:,} random inputs in double precision; a difference above "
+        f"{DISAGREEMENT:g} in more"
         " than 1 of 2,000"
     )
     pdf, other = points.double.pdf[inside], points.double.direction_pdf[inside]
@@ -188,12 +205,11 @@ def check_pdf_agreement(probe: Probe, points: Points) -> Outcome:
     i = points.edges + _worst(wrong, off)
     return failed(
         "pdf-agreement",
-        f"direction_pdf differs from the density of the sample for {share:.3g} of the directions, by up to {largest:.3g}",
+        f"direction_pdf differs from the density of the sample for {share:.3g} of the directions, by up "
+        f"to {largest:.3g}",
         power,
         _replay(probe, points, i),
         share=share,
         sample_pdf=float(points.double.pdf[i]),
         direction_pdf=float(points.double.direction_pdf[i]),
     )
-
-

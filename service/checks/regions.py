@@ -1,11 +1,14 @@
 """Adaptive quadrature over the sphere, in boxes of equal-area coordinates.
 
-A direction is (t, phi): t = 1 - z in [0, 2] and the azimuth in [0, 2 pi); area on the sphere is dt dphi (Archimedes). The
-horizon is t = 1. Directions are formed from t without cancellation, so that lobes of any width about the normal resolve.
+A direction is (t, phi): t = 1 - z in [0, 2] and the azimuth in [0, 2 pi); area on the sphere is dt dphi (Archimedes).
+The
+horizon is t = 1. Directions are formed from t without cancellation, so that lobes of any width about the normal
+resolve.
 """
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -60,7 +63,7 @@ def _graded(boxes: Boxes, edge: str) -> list[Boxes]:
     height = boxes.t1 - boxes.t0
     shares = (0.0, 1e-3, 1e-2, 1e-1, 1.0)
     out = []
-    for low, high in zip(shares[:-1], shares[1:], strict=True):
+    for low, high in itertools.pairwise(shares):
         if edge == "t0":
             ends = boxes.t0 + low * height, boxes.t0 + high * height
         else:
@@ -101,9 +104,8 @@ def grid(cells: int, rows: int, columns: int, sphere: bool) -> Boxes:
     t0, p0 = (a.ravel() for a in np.meshgrid(edges[:-1], around[:-1], indexing="ij"))
     t1, p1 = (a.ravel() for a in np.meshgrid(edges[1:], around[1:], indexing="ij"))
     count = len(t0)
-    return Boxes(
-        *(np.tile(a, cells) for a in (t0, t1, p0, p1)), np.repeat(np.arange(cells), count), np.tile(np.arange(count), cells)
-    )
+    t0, t1, p0, p1 = (np.tile(a, cells) for a in (t0, t1, p0, p1))
+    return Boxes(t0, t1, p0, p1, np.repeat(np.arange(cells), count), np.tile(np.arange(count), cells))
 
 
 @cache
@@ -122,6 +124,12 @@ def _integrate_once(boxes: Boxes, integrands: Integrands, order: int) -> Array:
     phi = boxes.p0[:, None] + width[:, None] * b
     values = integrands(directions(t.ravel(), phi.ravel()), np.repeat(boxes.cell, len(w)))
     return np.asarray(values.reshape(len(values), len(boxes), len(w)) @ w * (height * width))
+
+
+def _add_at(sums: Array, columns: Array, values: Array) -> None:
+    """Add values (k, n) to the columns of sums (k, m), which may occur more than once."""
+    for row, added in zip(sums, values, strict=True):
+        row += np.bincount(columns, added, minlength=len(row))
 
 
 @dataclass(frozen=True)
@@ -147,7 +155,8 @@ def integrate(
 ) -> Integrals:
     """Integrate over all bins, splitting boxes into quarters until two levels agree.
 
-    shape: (cells, bins). goal: difference of two levels, as a share of the cell's total, at which a box is done. points:
+    shape: (cells, bins). goal: difference of two levels, as a share of the cell's total, at which a box is done.
+    points:
     evaluations to spend at the most; what is left open then counts in the error.
     """
     values = _integrate_once(boxes, integrands, order)
@@ -163,7 +172,7 @@ def integrate(
         difference = np.abs(summed - values)
         if scale is None:
             scale = np.zeros((len(values), cells))
-            np.add.at(scale, (slice(None), boxes.cell), np.abs(summed))
+            _add_at(scale, boxes.cell, np.abs(summed))
             scale = np.maximum(scale, 1e-300)
         excess = (difference / (goal * scale[:, boxes.cell])).max(axis=0)
         is_open = excess > 1.0
@@ -172,8 +181,8 @@ def integrate(
             is_open[np.argsort(-excess)[affordable:]] = False
         done = ~is_open
         flat = boxes.cell * bins + boxes.bin
-        np.add.at(by_bin, (slice(None), flat[done]), summed[:, done])
-        np.add.at(error, (slice(None), flat[done]), difference[:, done])
+        _add_at(by_bin, flat[done], summed[:, done])
+        _add_at(error, flat[done], difference[:, done])
         kept = np.repeat(is_open, 4)
         boxes, values = children[kept], fine[:, kept]
     return Integrals(*(sums.reshape(len(sums), cells, bins) for sums in (by_bin, error)))

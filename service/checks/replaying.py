@@ -20,7 +20,9 @@ def parse_floats(field: str, text: str, count: int) -> list[float]:
     parts = text.split(",")
     try:
         values = [
-            float(np.array([int(part, 16)], np.uint32).view(np.float32)[0]) if part.strip().startswith("0x") else float(part)
+            float(np.array([int(part, 16)], np.uint32).view(np.float32)[0])
+            if part.strip().startswith("0x")
+            else float(part)
             for part in parts
         ]
     except (ValueError, OverflowError):

@@ -1,4 +1,6 @@
-"""Checks of many drawn directions against integrals of the density: normalisation, chi-square, coverage, mean weight."""
+"""Checks of many drawn directions against integrals of the density: normalisation, chi-square, coverage, mean
+weight.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +35,9 @@ EXPECTED_REST = 1e-4
 """Share of samples without a density from which they are a bin of their own."""
 
 TRUNCATION = 8.0
-"""Weights are compared up to so many times the 99.9th percentile of the pilot: a mean with known bounds, whatever the tail."""
+"""Weights are compared up to so many times the 99.9th percentile of the pilot: a mean with known bounds, whatever
+the tail.
+"""
 
 
 @dataclass(frozen=True)
@@ -121,12 +125,21 @@ def check_normalisation(probe: Probe, s: Sampled) -> Outcome:
     n = len(s.counted[0])
     chance = np.array([_bernstein(x * (1 - x), 1.0, n, FALSE_ALARM / len(share)) if x < 1 else 0.0 for x in share])
     excess = np.abs(integral - share) - chance - 2 * error - NORMALISATION
-    power = f"{len(share)} settings and views; an integral off by more than {NORMALISATION + float(np.median(chance)):.1g}"
+    power = (
+        f"{len(share)} settings and views; an integral off by more than {NORMALISATION + float(np.median(chance)):.1g}"
+    )
     worst = int(np.argmax(excess))
-    evidence = {**_where(s, worst), "integral": float(integral[worst]), "should_be": float(share[worst]), "quadrature_error": float(error[worst])}
+    evidence = {
+        **_where(s, worst),
+        "integral": float(integral[worst]),
+        "should_be": float(share[worst]),
+        "quadrature_error": float(error[worst]),
+    }
     if excess[worst] <= 0:
         off = float(np.max(np.abs(integral - share)))
-        return passed("pdf-normalisation", f"the density integrates to what it should within {off:.1g}", power, **evidence)
+        return passed(
+            "pdf-normalisation", f"the density integrates to what it should within {off:.1g}", power, **evidence
+        )
     return failed(
         "pdf-normalisation",
         f"the density integrates to {integral[worst]:.6g}, and should to {share[worst]:.6g}",
@@ -157,8 +170,10 @@ def check_chi_square(probe: Probe, s: Sampled) -> Outcome:
     freedom = float(np.median([t.freedom for t in tests]))
     n = len(s.counted[0])
     power = (
-        f"{len(tests)} settings and views, {n:,} directions each in {int(freedom) + 1} bins; finds a density that is off by "
-        f"{math.sqrt((8.5 * math.sqrt(2 * freedom) + 10) / n):.1%} (root mean square), at a false-alarm rate of {FALSE_ALARM:g}"
+        f"{len(tests)} settings and views, {n:,} directions each in {int(freedom) + 1} bins; finds a "
+        f"density that is off by "
+        f"{math.sqrt((8.5 * math.sqrt(2 * freedom) + 10) / n):.1%} (root mean square), at a false-alarm "
+        f"rate of {FALSE_ALARM:g}"
     )
     worst = int(np.argmin(probability))
     t: ChiSquare = tests[worst]
@@ -180,7 +195,8 @@ def check_chi_square(probe: Probe, s: Sampled) -> Outcome:
     bins = {"boxes": s.trees[worst].boxes, "residual": residuals[worst]}
     return failed(
         "chi-square",
-        f"directions do not fall as the density says, in {int((probability < rate).sum())} of {len(tests)} settings and views "
+        f"directions do not fall as the density says, in {int((probability < rate).sum())} of "
+        f"{len(tests)} settings and views "
         f"(chi-square {t.statistic:.4g} at {t.freedom} degrees of freedom)",
         power,
         _replay(probe, s, worst, _sample_in_leaf(s, worst, leaf)),
@@ -198,7 +214,9 @@ def check_coverage(probe: Probe, s: Sampled) -> Outcome:
     share = np.where(reflected > 0, lost / np.maximum(reflected, 1e-300), 0.0)
     worst = int(np.argmax(share))
     if share[worst] <= LOST:
-        return passed("coverage", "the density is above zero wherever the model reflects", power, lost_share=float(share[worst]))
+        return passed(
+            "coverage", "the density is above zero wherever the model reflects", power, lost_share=float(share[worst])
+        )
     return failed(
         "coverage",
         f"the density is zero on directions that carry up to {share[worst]:.3g} of the reflected light",
@@ -224,7 +242,10 @@ def check_unbiased(probe: Probe, s: Sampled) -> Outcome:
     n = len(s.weights[0])
     sampled = np.array([np.minimum(w, limit).mean() for w, limit in zip(s.weights, s.limits, strict=True)])
     half = np.array(
-        [_bernstein(q - m * m, limit, n, FALSE_ALARM / len(mean)) for m, q, limit in zip(mean, square, s.limits, strict=True)]
+        [
+            _bernstein(q - m * m, limit, n, FALSE_ALARM / len(mean))
+            for m, q, limit in zip(mean, square, s.limits, strict=True)
+        ]
     )
     rounding = 2e-5 * np.maximum(reflected, 0.0) + 2 * s.integrals.error[3]
     scale = np.maximum(reflected, 1e-12)
@@ -232,7 +253,10 @@ def check_unbiased(probe: Probe, s: Sampled) -> Outcome:
     excess = np.where(reflected > 0, np.maximum((off - half - rounding) / scale, lost / scale - 1e-5), -1.0)
     excess = np.where(s.bad, -1.0, excess)
     relative = (half + rounding)[reflected > 0] / scale[reflected > 0]
-    power = f"{len(mean)} settings and views, {n:,} weights each; finds a bias above {float(np.median(relative)) if len(relative) else 0:.1%}"
+    power = (
+        f"{len(mean)} settings and views, {n:,} weights each; finds a bias above "
+        f"{float(np.median(relative)) if len(relative) else 0:.1%}"
+    )
     worst = int(np.argmax(excess))
     evidence = {
         **_where(s, worst),

@@ -31,7 +31,9 @@ class Subject:
 
 
 def replay_command(given: str, inputs: Mapping[str, Any]) -> str:
-    """The command that evaluates a model and technique at exact inputs; `given` is a file or a name of the catalogue."""
+    """The command that evaluates a model and technique at exact inputs; `given` is a file or a name of the
+    catalogue.
+    """
     words = ["samplerscope", "check", given, "--model", inputs["model"], "--technique", inputs["technique"]]
     for name, value in inputs["parameters"].items():
         words += ["--set", f"{name}={value!r}"]
@@ -53,7 +55,8 @@ def select(
     techniques: Sequence[str] | None = None,
     fixed: Mapping[str, float] | None = None,
 ) -> Subject:
-    """Find the subject. A technique runs on `model` (default eon, or the first it is made for), a model with `techniques`.
+    """Find the subject. A technique runs on `model` (default eon, or the first it is made for), a model with
+    `techniques`.
 
     BadInput names what does not exist or does not fit; ShaderFileError a file that breaks the contract.
     """
@@ -68,7 +71,9 @@ def select(
         known = ", ".join(sorted({*catalogue.models, *catalogue.techniques}))
         raise BadInput(Problem("subject", given, f"a .glsl file, or one of {known}"))
     roles = entry.head.provides
-    the_model = entry if "model" in roles and model in (None, entry.name) else catalogue.model(model or _usual_model(entry))
+    the_model = (
+        entry if "model" in roles and model in (None, entry.name) else catalogue.model(model or _usual_model(entry))
+    )
     if "technique" in roles and techniques is None:
         chosen: tuple[Entry, ...] = (entry,)
     else:

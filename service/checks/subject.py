@@ -40,12 +40,17 @@ def view_directions(theta_o: Array, phi_o: Array) -> Array:
 
 
 def settings(declared: Mapping[str, Parameter], count: int) -> Array:
-    """Up to `count` rows of parameter values (float32): the defaults, inner points, each range's ends alone, all ends."""
+    """Up to `count` rows of parameter values (float32): the defaults, inner points, each range's ends alone, all
+    ends.
+    """
     columns = list(declared.values())
     default = [p.default for p in columns]
     rows = [default]
     if columns:
-        inner = [[inner_value(p, (0.5 + _GOLDEN * (k + 1) * (2 * i + 1)) % 1.0) for i, p in enumerate(columns)] for k in range(count)]
+        inner = [
+            [inner_value(p, (0.5 + _GOLDEN * (k + 1) * (2 * i + 1)) % 1.0) for i, p in enumerate(columns)]
+            for k in range(count)
+        ]
         ends = []
         for end in ("min", "max"):
             for i, p in enumerate(columns):
@@ -70,7 +75,7 @@ def random_settings(declared: Mapping[str, Parameter], count: int, rng: np.rando
 def inner_value(p: Parameter, x: float) -> float:
     """The value at the share x of a range, in logarithms where the range spans more than two decades."""
     if p.min > 0 and p.max / p.min > 100:
-        return p.min * (p.max / p.min) ** x
+        return p.min * math.exp(x * math.log(p.max / p.min))
     if p.min == 0 and p.max > 100:
         return math.expm1(x * math.log1p(p.max))
     return p.min + x * (p.max - p.min)
@@ -89,7 +94,9 @@ def bits(values: Array) -> list[str]:
     return [f"0x{word:08x}" for word in np.atleast_1d(np.asarray(values, np.float32)).view(np.uint32)]
 
 
-def replay(probe: Probe, wo: Array, parameters: Array, *, u: Array | None = None, wi: Array | None = None) -> dict[str, Any]:
+def replay(
+    probe: Probe, wo: Array, parameters: Array, *, u: Array | None = None, wi: Array | None = None
+) -> dict[str, Any]:
     """The exact inputs of one evaluation, as they go into a report."""
     wo = np.asarray(wo, np.float32).ravel()
     theta = math.degrees(math.atan2(math.hypot(float(wo[0]), float(wo[1])), float(wo[2])))

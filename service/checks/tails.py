@@ -87,7 +87,9 @@ def _note_largest(largest: Array, place: Array, u: Array, w: Array) -> tuple[Arr
 
 
 def _moved(u: Array, rng: np.random.Generator) -> Array:
-    """Every member moved by the difference of two others, scaled; in both numbers or in one. Symmetric, as it must be."""
+    """Every member moved by the difference of two others, scaled; in both numbers or in one. Symmetric, as it must
+    be.
+    """
     count, size, _ = u.shape
     a, b = rng.integers(0, size, (2, count, size))
     rows = np.arange(count)[:, None]
@@ -98,7 +100,8 @@ def _moved(u: Array, rng: np.random.Generator) -> Array:
     moved = u + step
     # Reflected at the borders of the square.
     moved = np.abs(np.mod(moved + 1.0, 2.0) - 1.0)
-    return np.minimum(np.where((u + step >= 0) & (u + step < 1), u + step, moved), _LAST)
+    inside = (u + step >= 0) & (u + step < 1)
+    return np.asarray(np.minimum(np.where(inside, u + step, moved), _LAST))
 
 
 def tail_index(thresholds: Array) -> float:
@@ -131,7 +134,8 @@ def _evidence(t: Tails, cell: int) -> dict[str, Any]:
 def check_tail(probe: Probe, t: Tails) -> Outcome:
     """The weight has a variance: its tail falls faster than W^-2."""
     power = (
-        f"{len(t.cells)} settings and views, P(w > W) followed down to {KEPT ** -float(len(t.thresholds)):.0e}; an index up to"
+        f"{len(t.cells)} settings and views, P(w > W) followed down to "
+        f"{KEPT ** -float(len(t.thresholds)):.0e}; an index up to"
         f" {INFINITE_VARIANCE:g} counts as infinite variance"
     )
     worst = int(np.argmin(t.index))
@@ -139,7 +143,8 @@ def check_tail(probe: Probe, t: Tails) -> Outcome:
         return passed("tail", "the weight has a finite variance", power, **_evidence(t, worst))
     return failed(
         "tail",
-        f"the weight has no variance: P(w > W) falls like W^-{t.index[worst]:.3g}, in {int((t.index < INFINITE_VARIANCE).sum())}"
+        f"the weight has no variance: P(w > W) falls like W^-{t.index[worst]:.3g}, in "
+        f"{int((t.index < INFINITE_VARIANCE).sum())}"
         f" of {len(t.index)} settings and views",
         power,
         replay(probe, t.cells.wo[worst], t.cells.parameters[worst], u=t.u[worst]),
@@ -151,7 +156,8 @@ def check_supremum(probe: Probe, t: Tails) -> Outcome:
     """For a fixed view the weight has an upper bound."""
     power = (
         f"{len(t.cells)} settings and views; growth as a power of 1/probability, index up to {UNBOUNDED:g}, down to a"
-        f" probability of {KEPT ** -float(len(t.thresholds)):.0e}; slower growth, as of a logarithm, is not told from a bound"
+        f" probability of {KEPT ** -float(len(t.thresholds)):.0e}; slower growth, as of a logarithm, is "
+        f"not told from a bound"
     )
     worst = int(np.argmin(t.index))
     quarter = t.thresholds[min(6, len(t.thresholds) - 1)]
@@ -167,7 +173,8 @@ def check_supremum(probe: Probe, t: Tails) -> Outcome:
         )
     return failed(
         "supremum",
-        f"the weight has no upper bound: {t.largest[worst]:.3g} found by search, still growing; one sample in 4,096 exceeds"
+        f"the weight has no upper bound: {t.largest[worst]:.3g} found by search, still growing; one "
+        f"sample in 4,096 exceeds"
         f" {quarter[worst]:.3g}",
         power,
         replay(probe, t.cells.wo[worst], t.cells.parameters[worst], u=t.u[worst]),

@@ -70,7 +70,9 @@ def _follow(worker: subprocess.Popen[bytes], progress: Progress, silence_s: floa
         deadline = time.monotonic() + silence_s
         while True:
             if not selector.select(max(0.0, deadline - time.monotonic())):
-                raise OwnFileFailed(f"no answer for {silence_s:g} s ({doing}): code without end, or too heavy; it was ended")
+                raise OwnFileFailed(
+                    f"no answer for {silence_s:g} s ({doing}): code without end, or too heavy; it was ended"
+                )
             chunk = os.read(worker.stdout.fileno(), 1 << 16)
             if not chunk:
                 raise OwnFileFailed(f"{_end(worker.wait())} ({doing})")

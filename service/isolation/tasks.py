@@ -21,14 +21,18 @@ Progress = Callable[[str, int, int], None]
 
 def check(arguments: Arguments, progress: Progress) -> dict[str, Any]:
     """The battery over `subject`: a file, or a name of the catalogue."""
-    subject = select(arguments["subject"], load_catalogue(), arguments["model"], arguments["techniques"], arguments["fixed"])
+    subject = select(
+        arguments["subject"], load_catalogue(), arguments["model"], arguments["techniques"], arguments["fixed"]
+    )
     with Engine.open(subject.catalogue, device=arguments["device"]) as engine:
         return run_battery(engine, subject, Battery(arguments["seed"], arguments["quick"]), progress)
 
 
 def replay(arguments: Arguments, progress: Progress) -> dict[str, Any]:
     """One evaluation of `subject` again."""
-    subject = select(arguments["subject"], load_catalogue(), arguments["model"], arguments["techniques"], arguments["fixed"])
+    subject = select(
+        arguments["subject"], load_catalogue(), arguments["model"], arguments["techniques"], arguments["fixed"]
+    )
     progress("compiling", 0, 1)
     with Engine.open(subject.catalogue, device=arguments["device"]) as engine:
         return replay_inputs(engine, subject, arguments["wo"], arguments["u"], arguments["wi"])

@@ -16,7 +16,8 @@ td, th { border-bottom: 1px solid #ddd; padding: .3rem .7rem; text-align: left; 
 td.number { text-align: right; font-variant-numeric: tabular-nums; }
 .pass { color: #1a7f37; } .fail { color: #b3261e; font-weight: 600; } .not-applicable { color: #777; }
 pre { background: #f5f5f5; padding: .6rem .8rem; overflow-x: auto; font-size: 13px; }
-figure { display: inline-block; margin: 0 1.5rem 1rem 0; } figcaption { color: #555; font-size: 13px; max-width: 26rem; }
+figure { display: inline-block; margin: 0 1.5rem 1rem 0; } figcaption { color: #555; font-size: 13px; max-width:
+26rem; }
 .power { color: #666; font-size: 13px; }
 """
 
@@ -27,7 +28,9 @@ def render(result: Mapping[str, Any]) -> str:
     body = [f"<h1>{heading}</h1>", *_body(result), f"<p class='power'>{escape(_run(result['run']))}</p>"]
     return (
         "<!doctype html>\n<html lang='en'><head><meta charset='utf-8'>"
-        f"<title>{escape(title(result))}</title><style>{_STYLE}</style></head>\n<body>\n" + "\n".join(body) + "\n</body></html>\n"
+        f"<title>{escape(title(result))}</title><style>{_STYLE}</style></head>\n<body>\n"
+        + "\n".join(body)
+        + "\n</body></html>\n"
     )
 
 
@@ -88,7 +91,9 @@ def _stability(stability: Mapping[str, Any]) -> Iterator[str]:
 def _table(columns: list[str], rows: list[list[str]], numbers: range = range(0)) -> str:
     head = "".join(f"<th>{escape(column)}</th>" for column in columns)
     body = "".join(
-        "<tr>" + "".join(f"<td{' class=number' if i in numbers else ''}>{cell}</td>" for i, cell in enumerate(row)) + "</tr>"
+        "<tr>"
+        + "".join(f"<td{' class=number' if i in numbers else ''}>{cell}</td>" for i, cell in enumerate(row))
+        + "</tr>"
         for row in rows
     )
     return f"<table><tr>{head}</tr>{body}</table>"

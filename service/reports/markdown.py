@@ -62,7 +62,8 @@ def _stability(stability: Mapping[str, Any]) -> list[str]:
         lines += ["", "| technique | quantity | points beyond 8 ulp | worst, ulp | by rounded inputs, ulp | reason |"]
         lines += ["|---|---|---:|---:|---:|---|"]
         lines += [
-            f"| {e['technique']} | {e['quantity']} | {e['points']:,} | {e['worst_ulp']:.3g} | {e['by_rounded_inputs_ulp']:.3g} |"
+            f"| {e['technique']} | {e['quantity']} | {e['points']:,} | {e['worst_ulp']:.3g} | "
+            f"{e['by_rounded_inputs_ulp']:.3g} |"
             f" {_cell(e['reason'])} |"
             for e in stability["exceptions"]
         ]

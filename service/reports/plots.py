@@ -23,11 +23,14 @@ def of_check(check: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         words = "bounded" if index is None else f"tail index {index:.3g}"
         yield f"share of samples above a weight, followed by search ({words})", _svg(_tail(evidence))
     if check["name"] == "chi-square" and evidence.get("bins"):
-        yield "directions counted against expected, in standard deviations, over azimuth and cosine", _svg(_residuals(evidence["bins"]))
+        yield (
+            "directions counted against expected, in standard deviations, over azimuth and cosine",
+            _svg(_residuals(evidence["bins"])),
+        )
 
 
 def _svg(chart: alt.Chart | alt.LayerChart) -> str:
-    return pictures.encode(chart.properties(**_SIZE), "svg").decode()
+    return pictures.encode(alt.HConcatChart(hconcat=[chart.properties(**_SIZE)]), "svg").decode()
 
 
 def _albedo(curve: Mapping[str, Any]) -> alt.LayerChart:
@@ -35,12 +38,11 @@ def _albedo(curve: Mapping[str, Any]) -> alt.LayerChart:
     low, high = min(row["albedo"] for row in rows), max(row["albedo"] for row in rows)
     pad = max(0.01, 0.1 * (high - low))
     scale = alt.Scale(domain=[min(low, 1) - pad, max(high, 1) + pad], nice=False)
-    line = alt.Chart(alt.Data(values=rows)).mark_line(point=True)
-    unit = alt.Chart(alt.Data(values=[{"albedo": 1}])).mark_rule(color="#888", strokeDash=[4, 3])
+    line = alt.Chart(alt.InlineData(values=rows)).mark_line(point=True)
+    unit = alt.Chart(alt.InlineData(values=[{"albedo": 1}])).mark_rule(color="#888", strokeDash=[4, 3])
     y = alt.Y("albedo:Q", scale=scale, title="directional albedo")
-    return alt.layer(
-        unit.encode(y=y), line.encode(x=alt.X("theta:Q", title="view angle, degrees", scale=alt.Scale(domain=[0, 90])), y=y)
-    )
+    x = alt.X("theta:Q", title="view angle, degrees", scale=alt.Scale(domain=[0, 90]))
+    return alt.LayerChart(layer=[unit.encode(y=y), line.encode(x=x, y=y)])
 
 
 def _levels(evidence: Mapping[str, Any]) -> list[dict[str, float]]:
@@ -60,7 +62,7 @@ def _tail(evidence: Mapping[str, Any]) -> alt.Chart:
     scale = alt.Scale(type="log", domain=domain, nice=False)
     exponent = math.floor(math.log10(levels[-1]["probability"]))
     chart: alt.Chart = (
-        alt.Chart(alt.Data(values=levels))
+        alt.Chart(alt.InlineData(values=levels))
         .mark_line(point=True)
         .encode(
             x=alt.X("weight:Q", scale=scale, title="weight W", axis=alt.Axis(tickCount=5, format="~g")),
@@ -82,7 +84,7 @@ def _residuals(bins: Mapping[str, Any]) -> alt.Chart:
     ]
     limit = max(3.0, max(abs(row["residual"]) for row in rows))
     chart: alt.Chart = (
-        alt.Chart(alt.Data(values=rows))
+        alt.Chart(alt.InlineData(values=rows))
         .mark_rect()
         .encode(
             x=alt.X("p0:Q", title="azimuth, degrees", scale=alt.Scale(domain=[0, 360], nice=False)),

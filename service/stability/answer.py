@@ -29,7 +29,8 @@ AT_HORIZON = 16 * 2.0**-24
 def compute_stability(question: Question, engine: Engine, progress: Progress = lambda *_: None) -> dict[str, Any]:
     """A result of kind `stability`: the edge grid of each technique, its exceptions, and the stiffest places.
 
-    Parameters that the scene names keep those values; the others run over the edges of their ranges. Angles, samples and
+    Parameters that the scene names keep those values; the others run over the edges of their ranges. Angles, samples
+    and
     statistics of the scene play no part. Fails where a value is not finite, or far off without a reason.
     """
     begin = time.perf_counter()
@@ -130,13 +131,17 @@ def _exceptions(
 
 def _check(technique: str, counts: Mapping[str, int], bad: Mapping[str, Any] | None) -> dict[str, Any]:
     failed = counts["nonfinite"] or counts["wrong"]
-    message = f"{counts['points']:,} points of the edge grid: {counts['nonfinite']:,} not finite, {counts['wrong']:,} unstable"
+    message = (
+        f"{counts['points']:,} points of the edge grid: {counts['nonfinite']:,} not finite, "
+        f"{counts['wrong']:,} unstable"
+    )
     return {
         "name": "stability",
         "technique": technique,
         "status": "fail" if failed else "pass",
         "message": message,
         "evidence": dict(counts),
-        "power": f"float32 against the same code in float64; within {regions.ULP_LIMIT:g} ulp, or listed with its reason",
+        "power": f"float32 against the same code in float64; within {regions.ULP_LIMIT:g} ulp, or listed "
+        f"with its reason",
         "replay": plain(bad["inputs"]) if failed and bad else None,
     }

@@ -110,7 +110,8 @@ def place(probe: Probe, points: Points, comparison: Comparison, i: int) -> dict[
 def exceptions(points: Points, comparison: Comparison, effect: Array, at_horizon: Array) -> list[Exceptional]:
     """Points beyond the limit inside all ranges, by reason: stiff inputs, the horizon, digits lost, or wrong.
 
-    effect: the change of the true value by one rounding of each input, (n,). at_horizon: whether the true direction that
+    effect: the change of the true value by one rounding of each input, (n,). at_horizon: whether the true direction
+    that
     is drawn lies within a few roundings of the horizon, (n,).
     """
     if comparison.quantity == "direction":
@@ -135,7 +136,13 @@ def exceptions(points: Points, comparison: Comparison, effect: Array, at_horizon
             i = int(np.argmax(np.where(mask, comparison.ulp, -1.0)))
             out.append(
                 Exceptional(
-                    comparison.quantity, reason, int(mask.sum()), i, float(comparison.ulp[i]), float(allowed[i]), float(relative[i])
+                    comparison.quantity,
+                    reason,
+                    int(mask.sum()),
+                    i,
+                    float(comparison.ulp[i]),
+                    float(allowed[i]),
+                    float(relative[i]),
                 )
             )
     return out

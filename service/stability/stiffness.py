@@ -44,7 +44,7 @@ def condition_numbers(probe: Probe, count: int, seed: int = 0) -> list[Condition
     given = _directions(rng, count)
     out = []
     for name, low, high, size in _changes(probe, mu, u, rows):
-        a, b = (_evaluate(probe, *change[:1], turn, *change[1:], given) for change in (low, high))
+        a, b = (_evaluate(probe, change[0], turn, change[1], change[2], given) for change in (low, high))
         middle = _evaluate(probe, mu, turn, u, rows, given)
         for quantity in ("brdf", "direction_pdf", "pdf", "direction"):
             if name in ("u1", "u2") and quantity in ("brdf", "direction_pdf"):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,9 @@ DIRECTION_ULP = STEP
 
 SMALLEST = 2.0**-100
 """Errors of values below it are counted in units of its last place: intermediate values of theirs are denormal."""
+
+
+_COLUMNS = ("wo", "value", "parameters", "turn", "special", "inside")
 
 
 @dataclass(frozen=True)
@@ -43,8 +46,7 @@ class Points:
         return len(self.wo)
 
     def __getitem__(self, where: Any) -> Points:
-        fields = (self.wo, self.value, self.parameters, self.turn, self.special, self.inside)
-        return Points(*(column[where] for column in fields), self.drawn)
+        return replace(self, **{name: getattr(self, name)[where] for name in _COLUMNS})
 
     def evaluate(self, probe: Probe, precision: Any) -> Values:
         """Draw or evaluate them all."""
@@ -100,7 +102,7 @@ def _settings(probe: Probe, given: Mapping[str, list[float]]) -> tuple[Array, Ar
             rows = np.unique(rows, axis=0)
     low = np.array([p.min for p in declared.values()], np.float32)
     high = np.array([p.max for p in declared.values()], np.float32)
-    return rows, ((rows >= low) & (rows <= high)).all(axis=1)
+    return rows, np.asarray(((rows >= low) & (rows <= high)).all(axis=1))
 
 
 def _with_column(rows: Array, column: int, value: float) -> Array:
@@ -118,7 +120,16 @@ def _view(cosine: Array, turn: Array) -> Array:
     return np.stack([sine * x, sine * y, cosine], axis=1).astype(np.float32)
 
 
-_SPECIAL = ("normal", "horizon", "horizon behind", "just above the horizon", "mirror", "retro", "inside", "inside behind")
+_SPECIAL = (
+    "normal",
+    "horizon",
+    "horizon behind",
+    "just above the horizon",
+    "mirror",
+    "retro",
+    "inside",
+    "inside behind",
+)
 
 
 def _special_directions(wo: Array, which: Array) -> Array:
@@ -168,7 +179,7 @@ def last_place(truth: Array) -> Array:
 
 
 def _direction(single: Array, double: Array) -> Comparison:
-    finite = np.isfinite(single).all(axis=1)
-    both = finite & np.isfinite(double).all(axis=1)
+    finite: Array = np.asarray(np.isfinite(single).all(axis=1))
+    both = finite & np.asarray(np.isfinite(double).all(axis=1))
     off = np.max(np.abs(np.where(both[:, None], single.astype(np.float64) - double, 0.0)), axis=1)
     return Comparison("direction", single, double, off / DIRECTION_ULP, ~finite, np.zeros(len(finite), bool))

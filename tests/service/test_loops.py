@@ -39,7 +39,9 @@ VIEW, NO_PARAMETERS = np.array([[0.0, 0.0, 1.0]]), np.zeros((1, 0))
 
 
 def test_counted_loops_give_the_same_values(engine):
-    probe = probe_of(engine, "float s = 0.0; for (int i = 0; i < 100; i++) { int k = 0; while (k < i) { k++; s += 1.0; } } return s;")
+    probe = probe_of(
+        engine, "float s = 0.0; for (int i = 0; i < 100; i++) { int k = 0; while (k < i) { k++; s += 1.0; } } return s;"
+    )
     assert probe.evaluate(VIEW, VIEW, NO_PARAMETERS).brdf.tolist() == [4950.0]
 
 

@@ -53,7 +53,8 @@ float brdf(vec3 wi, vec3 wo) {
     float sum = 0.0;
     for (int i = 0; i < 2; ++i) sum += NODES[i] * acos(clamp(dot(wi, wo), -1.0, 1.0));
     while (sum > 10.0) sum -= 1;
-    return NORMALISATION * exp_of(-sum) * both.x * both.y * (1.0 + 0.1 * sin(sharpness * atan(wi.y, wi.x))) * mix(1.0, 2.0, 0.5);
+    return NORMALISATION * exp_of(-sum) * both.x * both.y * (1.0 + 0.1 * sin(sharpness * atan(wi.y, wi.x))) * mix(1.0,
+    2.0, 0.5);
 }
 """
 
@@ -77,7 +78,9 @@ def test_own_code_in_double_has_the_accuracy_of_double(engine):
 @pytest.mark.parametrize("technique", ["cosine", "uniform", "ltc-nonnegative", "ltc", "cltc", "cltc-mis"])
 @pytest.mark.parametrize("model", ["eon", "fon", "eon-approx", "lambert"])
 def test_the_widened_catalogue_and_the_python_reference_agree(engine, model, technique):
-    """Two truths from different code, at unit views: the GLSL works from wo.z, the reference also from wo.x and wo.y."""
+    """Two truths from different code, at unit views: the GLSL works from wo.z, the reference also from wo.x and
+    wo.y.
+    """
     from service.reference import load_model, load_technique
 
     catalogue = engine.catalogue

@@ -1,4 +1,5 @@
-"""The functions of shaders/common against NumPy and SciPy: double ones to a few float64 ulp, float ones to a few float32 ulp.
+"""The functions of shaders/common against NumPy and SciPy: double ones to a few float64 ulp, float ones to a few
+float32 ulp.
 
 Inputs are dense in the range and in its exponents; NumPy's own functions are good to 1 ulp, so a bound of n ulp proves
 n + 1.
@@ -45,7 +46,11 @@ def spread(low, high, count=100_000, seed=1):
     rng = np.random.default_rng(seed)
     flat = rng.uniform(low, high, count // 2)
     if low > 0:
-        steep = low * (high / low) ** rng.uniform(0, 1, count // 2) if high / low < 1e300 else 10 ** flat_exponents(rng, count)
+        steep = (
+            low * (high / low) ** rng.uniform(0, 1, count // 2)
+            if high / low < 1e300
+            else 10 ** flat_exponents(rng, count)
+        )
     else:
         signs = rng.choice([-1, 1], count // 2) if low < 0 else 1
         steep = high * 2.0 ** rng.uniform(-40, 0, count // 2) * signs

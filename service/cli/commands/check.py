@@ -17,11 +17,15 @@ EXIT_FAILED = 1
 @click.command()
 @click.argument("subject")
 @click.option("--model", metavar="NAME", help="Model for a technique. Default: eon, or the first it is made for.")
-@click.option("--technique", "--techniques", metavar="NAME,...", help="Techniques for a model. Default: cosine,uniform.")
+@click.option(
+    "--technique", "--techniques", metavar="NAME,...", help="Techniques for a model. Default: cosine,uniform."
+)
 @click.option("--set", "settings", multiple=True, metavar="NAME=VALUE", help="Fix a parameter, which is swept else.")
 @click.option("--quick", is_flag=True, help="A few seconds, at the lower power that each check states.")
 @click.option("--seed", metavar="N", help="Seed of the random numbers. Default: 0.")
-@click.option("--report", "reports", multiple=True, metavar="FILE", help="Report card as .html, .json or .md; repeatable.")
+@click.option(
+    "--report", "reports", multiple=True, metavar="FILE", help="Report card as .html, .json or .md; repeatable."
+)
 @click.option("--wo", metavar="X,Y,Z", help="Replay: evaluate once for this view, as numbers or float bits.")
 @click.option("--u", "u", metavar="U1,U2", help="Replay: the random numbers.")
 @click.option("--wi", metavar="X,Y,Z", help="Replay: the direction, in place of random numbers.")

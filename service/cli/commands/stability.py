@@ -16,7 +16,9 @@ EXIT_FAILED = 1
 
 @click.command()
 @scene_options
-@click.option("--report", "reports", multiple=True, metavar="FILE", help="Report card as .html, .json or .md; repeatable.")
+@click.option(
+    "--report", "reports", multiple=True, metavar="FILE", help="Report card as .html, .json or .md; repeatable."
+)
 @output_options
 def stability(
     reports: tuple[str, ...], format_: str | None, outputs: tuple[str, ...], device: str | None, **options: Any

@@ -34,7 +34,9 @@ def text(result: Mapping[str, Any]) -> str:
     if result.get("stability"):
         lines += ["edge grid, float32 against float64", *_stability(result["stability"]), ""]
     run = result["run"]
-    lines.append(f"{run['device']}, {run['elapsed_ms'] / 1e3:.1f} s, seed {run['seed']}" + (", quick" if run["quick"] else ""))
+    lines.append(
+        f"{run['device']}, {run['elapsed_ms'] / 1e3:.1f} s, seed {run['seed']}" + (", quick" if run["quick"] else "")
+    )
     return "\n".join(lines) + "\n"
 
 

@@ -10,7 +10,9 @@ def text(result: Mapping[str, Any]) -> str:
     """Inputs, then every value in float32, its bits, and in float64."""
     lines = [f"{result['technique']} on {result['model']}"]
     lines += [f"  {name} = {value!r}" for name, value in result["parameters"].items()]
-    lines += [f"  {name:<13} {result[key]}" for name, key in (("wo", "wo"), ("u", "u"), ("wi", "wi_given")) if key in result]
+    lines += [
+        f"  {name:<13} {result[key]}" for name, key in (("wo", "wo"), ("u", "u"), ("wi", "wi_given")) if key in result
+    ]
     lines.append(f"  {'':<13} {'float32':<16}{'bits':<14}float64")
     single, double = result["float32"], result["float64"]
     for name in ("wi", "pdf", "brdf", "direction_pdf", "weight", "albedo"):

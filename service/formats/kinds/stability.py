@@ -41,7 +41,8 @@ def technique_lines(result: Mapping[str, Any], technique: str) -> list[str]:
     lines += ["", "  beyond 8 ulp:" if listed else "  nothing is beyond 8 ulp inside the ranges"]
     for e in listed:
         lines += textwrap.wrap(
-            f"{e['quantity']}, {e['points']:,} points: {e['reason']} (worst {e['worst_ulp']:.3g} ulp; one rounding of the inputs:"
+            f"{e['quantity']}, {e['points']:,} points: {e['reason']} (worst {e['worst_ulp']:.3g} ulp; "
+            f"one rounding of the inputs:"
             f" {e['by_rounded_inputs_ulp']:.3g} ulp)",
             _WIDTH, initial_indent="    ", subsequent_indent="      ",
         )  # fmt: skip
@@ -49,7 +50,9 @@ def technique_lines(result: Mapping[str, Any], technique: str) -> list[str]:
     lines += ["", f"  {'condition number':<20}{'of':<16}{'median':>10}{'worst':>12}   at"]
     for c in result["stiffness"]:
         if c["technique"] == technique:
-            lines.append(f"  {c['input']:<20}{c['quantity']:<16}{c['median']:>10.3g}{c['worst']:>12.3g}   {_inputs(c['inputs'])}")
+            lines.append(
+                f"  {c['input']:<20}{c['quantity']:<16}{c['median']:>10.3g}{c['worst']:>12.3g}   {_inputs(c['inputs'])}"
+            )
     lines.append("")
     return lines
 

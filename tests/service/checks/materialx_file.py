@@ -1,4 +1,5 @@
-"""A file of the contract's form around the Oren-Nayar functions that the MaterialX package ships, read from the package.
+"""A file of the contract's form around the Oren-Nayar functions that the MaterialX package ships, read from the
+package.
 
 The wrapper calls them as that package's own BSDF (mx_oren_nayar_diffuse_bsdf) does, with the same clamps.
 """
@@ -6,7 +7,11 @@ The wrapper calls them as that package's own BSDF (mx_oren_nayar_diffuse_bsdf) d
 from importlib.util import find_spec
 from pathlib import Path
 
-SHIPPED = ("stdlib/genglsl/lib/mx_math.glsl", "pbrlib/genglsl/lib/mx_microfacet.glsl", "pbrlib/genglsl/lib/mx_microfacet_diffuse.glsl")
+SHIPPED = (
+    "stdlib/genglsl/lib/mx_math.glsl",
+    "pbrlib/genglsl/lib/mx_microfacet.glsl",
+    "pbrlib/genglsl/lib/mx_microfacet_diffuse.glsl",
+)
 
 HEAD = """/*---
 provides = ["model"]

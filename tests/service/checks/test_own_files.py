@@ -15,6 +15,9 @@ from .materialx_file import write as write_materialx
 HEAD = '/*---\nprovides = ["technique"]\nname = "{name}"\ntitle = "Mine"\nsource = "own"\n---*/\n'
 PDF = "float direction_pdf(vec3 wo, vec3 wi) { return INV_PI * max(wi.z, 0.0); }\n"
 COSINE = "DirectionSample sample_direction(vec3 wo, vec2 u) {\n    return cosine_hemisphere(u);\n}\n"
+ENDLESS = (
+    "DirectionSample sample_direction(vec3 wo, vec2 u) { while (true) { u.x += 1.0; } return cosine_hemisphere(u); }\n"
+)
 INCLUDE = '#include "common/hemisphere.glsl"\n'
 
 
@@ -83,7 +86,7 @@ def test_compile_errors_have_the_files_own_lines(own):
 @pytest.mark.parametrize(
     ("code", "says"),
     [
-        (INCLUDE + "DirectionSample sample_direction(vec3 wo, vec2 u) { while (true) { u.x += 1.0; } return cosine_hemisphere(u); }\n" + PDF, "65,535"),
+        (INCLUDE + ENDLESS + PDF, "65,535"),
         ("float table[268435456];\nDirectionSample sample_direction(vec3 wo, vec2 u) { table[int(u.x * 1e3)] = u.y;"
          " return DirectionSample(vec3(0, 0, 1), table[int(u.y * 1e8)]); }\n" + PDF, "memory"),
         ('#include "/etc/hostname"\n' + COSINE + PDF, ':7: #include "/etc/hostname"'),
@@ -104,10 +107,17 @@ def test_what_cannot_run_is_one_clear_error_within_60_seconds_and_leaves_nothing
 
 
 def test_silence_ends_the_worker(own, monkeypatch):
-    from service.isolation import OwnFileFailed, run_isolated
-    from service.isolation import tasks
+    from service.isolation import OwnFileFailed, run_isolated, tasks
 
-    arguments = {"subject": str(own(INCLUDE + COSINE + PDF)), "model": None, "techniques": None, "fixed": {}, "device": None, "seed": 0, "quick": False}
+    arguments = {
+        "subject": str(own(INCLUDE + COSINE + PDF)),
+        "model": None,
+        "techniques": None,
+        "fixed": {},
+        "device": None,
+        "seed": 0,
+        "quick": False,
+    }
     assert "check" in tasks.TASKS
     with pytest.raises(OwnFileFailed, match=r"no answer for 0\.05 s"):
         run_isolated("check", arguments, silence_s=0.05)
@@ -115,7 +125,9 @@ def test_silence_ends_the_worker(own, monkeypatch):
 
 
 def test_statistics_take_a_file_and_never_the_reference_of_an_entry_of_the_same_name(own):
-    """A file called like a technique of the catalogue, with another density: the catalogue's truth must not judge it."""
+    """A file called like a technique of the catalogue, with another density: the catalogue's truth must not judge
+    it.
+    """
     code = INCLUDE + "DirectionSample sample_direction(vec3 wo, vec2 u) { return uniform_hemisphere(u); }\n"
     path = own(code + "float direction_pdf(vec3 wo, vec3 wi) { return UNIFORM_DENSITY; }\n", "cosine")
     done = samplerscope("stats", "--model", path, "--samples", "20000", "--theta-o-deg", "0,60", "--format", "json")
@@ -129,7 +141,10 @@ def test_statistics_take_a_file_and_never_the_reference_of_an_entry_of_the_same_
 
 def test_a_loop_in_statistics_that_reaches_the_limit_is_an_error(own):
     loop = "float x = 0.0; for (int i = 0; i < 400; i++) x += u.x;"
-    code = f"DirectionSample sample_direction(vec3 wo, vec2 u) {{ {loop} return cosine_hemisphere(vec2(u.x, fract(x))); }}\n"
+    code = (
+        f"DirectionSample sample_direction(vec3 wo, vec2 u) "
+        f"{{ {loop} return cosine_hemisphere(vec2(u.x, fract(x))); }}\n"
+    )
     done = samplerscope("stats", "--model", own(INCLUDE + code + PDF), "--samples", "20000", "--angles", "2")
     assert done.returncode == 2
     assert "loop" in done.stderr

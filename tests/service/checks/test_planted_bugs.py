@@ -96,7 +96,11 @@ def replayed(engine, command):
         ("density-zero", "pdf-agreement", lambda r: r["float32"]["direction_pdf"] == 0 < r["float32"]["pdf"]),
         ("missing-part", "coverage", lambda r: r["float32"]["direction_pdf"] == 0 < r["float32"]["brdf"]),
         ("thin-tail", "supremum", lambda r: r["float32"]["weight"] > 1e4),
-        ("swapped-directions", "pdf-agreement", lambda r: abs(r["float64"]["pdf"] / r["float64"]["direction_pdf"] - 1) > 1e-3),
+        (
+            "swapped-directions",
+            "pdf-agreement",
+            lambda r: abs(r["float64"]["pdf"] / r["float64"]["direction_pdf"] - 1) > 1e-3,
+        ),
     ],
 )
 def test_the_replay_shows_the_failure(battery, engine, name, check, shows):

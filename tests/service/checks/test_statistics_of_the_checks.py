@@ -79,7 +79,9 @@ def test_quadrature_resolves_lobes_of_any_width(sharpness):
 
 def test_quadrature_keeps_bins_apart_and_knows_its_error():
     boxes = grid(2, 2, 2, sphere=False)
-    step = integrate(boxes, lambda wi, cell: (np.where(wi[:, 2] > 0.3, 1.0, 0.0) * (1 + cell))[None], (2, 4), 1e-6, 2_000_000)
+    step = integrate(
+        boxes, lambda wi, cell: (np.where(wi[:, 2] > 0.3, 1.0, 0.0) * (1 + cell))[None], (2, 4), 1e-6, 2_000_000
+    )
     assert step.by_bin[0, 0] == pytest.approx([math.pi / 2 * x for x in (1, 1, 0.4, 0.4)], abs=2e-3)
     assert step.total[0, 1] == pytest.approx(2 * step.total[0, 0], rel=1e-3)
     assert abs(step.total[0, 0] - 1.4 * math.pi) < max(3 * step.error[0, 0], 1e-9)
