@@ -2,19 +2,20 @@
 PYTHON ?= python3
 BIN := .venv/bin
 OUT := out
+COMPILE := $(BIN)/uv pip compile --quiet --upgrade --generate-hashes --python-version 3.11 --custom-compile-command 'make lock'
 
 .DEFAULT_GOAL := help
-.PHONY: help setup stats figures test lint bench lock clean
+.PHONY: help setup stats figures test lint container container-test lock clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 12
 
 setup: .venv/ready  ## bring the Debian packages and make .venv with the command samplerscope
 
-.venv/ready: requirements.lock pyproject.toml lavapipe/install.sh
+.venv/ready: requirements-dev.lock pyproject.toml lavapipe/install.sh
 	lavapipe/install.sh
 	$(PYTHON) -m venv .venv
-	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes --requirement requirements.lock
+	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes --requirement requirements-dev.lock
 	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --editable .
 	@touch $@
 
@@ -22,7 +23,8 @@ stats: setup  ## the main job: six techniques of EON over 64 angles; table here,
 	$(BIN)/samplerscope figure eon-11 -o $(OUT)/eon-11.png -o $(OUT)/eon-11.svg -o $(OUT)/eon-11.json
 
 figures: setup  ## every figure of the papers, as PNG, SVG, Vega-Lite and JSON in out/
-	for name in eon-11 eon-13; do \
+	$(BIN)/samplerscope figure eon-table-1 -o $(OUT)/eon-table-1.txt -o $(OUT)/eon-table-1.json
+	for name in eon-11 eon-13 eon-convergence; do \
 	    $(BIN)/samplerscope figure $$name -o $(OUT)/$$name.png -o $(OUT)/$$name.svg \
 	        -o $(OUT)/$$name.vl.json -o $(OUT)/$$name.json || exit; \
 	done
@@ -35,10 +37,16 @@ lint: setup  ## style and types
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-lock: setup  ## resolve the dependencies anew and write requirements.lock
+container:  ## build the image, with docker or else with buildah
+	.ci/container
+
+container-test: setup container  ## drive the image from outside, hardened as in production
+	$(BIN)/pytest tests/container -s
+
+lock: setup  ## resolve the dependencies anew: requirements.lock to run, requirements-dev.lock to test
 	$(BIN)/pip install --quiet 'uv>=0.8,<1'
-	$(BIN)/uv pip compile --quiet --upgrade --generate-hashes --python-version 3.11 --extra dev \
-	    --custom-compile-command 'make lock' --output-file requirements.lock pyproject.toml
+	$(COMPILE) --output-file requirements.lock pyproject.toml
+	$(COMPILE) --extra dev --constraint requirements.lock --output-file requirements-dev.lock pyproject.toml
 
 clean:  ## remove .venv and out/
 	rm -rf .venv $(OUT)

@@ -6,6 +6,7 @@ value that was never stored.
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import functools
 import hashlib
@@ -20,7 +21,7 @@ from lavapipe.errors import InvalidArgument
 
 _VARIABLE = "SAMPLERSCOPE_CACHE_DIR"
 _FILE = "cache-1.sqlite3"
-_BUSY_S = 5.0
+_BUSY_S = 2.0
 _FLUSH_AFTER = 1000
 _KEYS_A_QUERY = 500
 _SCHEMA = """
@@ -145,22 +146,23 @@ class Cache:
         try:
             yield
         except sqlite3.OperationalError:
-            # Busy, full, read-only or no such folder: the file itself is sound.
-            return
+            # Busy, full, read-only, no such folder, or no such table because the file was replaced: a fresh
+            # connection finds out.
+            self._disconnect()
         except (sqlite3.DatabaseError, OSError, UnicodeError):
             self._discard()
 
     def _discard(self) -> None:
         """Remove a damaged file; the next use makes a new one."""
-        with self._lock:
+        self._disconnect()
+        if self.path is not None:
+            _remove(self.path / _FILE)
+
+    def _disconnect(self) -> None:
+        with self._lock, contextlib.suppress(sqlite3.Error):
             connection, self._connection = self._connection, None
-            with contextlib.suppress(sqlite3.Error):
-                if connection is not None:
-                    connection.close()
-            if self.path is not None:
-                for suffix in ("", "-journal"):
-                    with contextlib.suppress(OSError):
-                        (self.path / (_FILE + suffix)).unlink()
+            if connection is not None:
+                connection.close()
 
 
 def default_cache() -> Cache:
@@ -175,7 +177,9 @@ def default_cache() -> Cache:
 def _default(setting: str) -> Cache:
     if setting == "off":
         return Cache.disabled()
-    return Cache(Path(setting)) if setting else Cache()
+    cache = Cache(Path(setting)) if setting else Cache()
+    atexit.register(cache.close)
+    return cache
 
 
 def _user_folder() -> Path | None:
@@ -194,10 +198,14 @@ def _open(file: Path) -> sqlite3.Connection:
     except sqlite3.OperationalError:
         raise
     except sqlite3.DatabaseError:
-        for suffix in ("", "-journal"):
-            with contextlib.suppress(OSError):
-                Path(f"{file}{suffix}").unlink()
+        _remove(file)
         return _connected(file)
+
+
+def _remove(file: Path) -> None:
+    for suffix in ("", "-journal"):
+        with contextlib.suppress(OSError):
+            Path(f"{file}{suffix}").unlink()
 
 
 def _connected(file: Path) -> sqlite3.Connection:

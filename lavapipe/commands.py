@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from numbers import Integral
 from typing import TYPE_CHECKING
 
 from lavapipe.buffer import Buffer
@@ -72,7 +73,8 @@ class Commands:
 
     def _checked_groups(self, groups: tuple[int, int, int]) -> tuple[int, int, int]:
         limits = self._device.info.max_groups
-        if len(groups) != 3 or not all(1 <= count <= limit for count, limit in zip(groups, limits, strict=True)):
+        fits = [isinstance(n, Integral) and 1 <= n <= limit for n, limit in zip(groups, limits, strict=False)]
+        if len(groups) != 3 or not all(fits):
             raise InvalidArgument(f"groups={groups!r}: three counts from 1 to {limits}")
         x, y, z = (int(count) for count in groups)
         return x, y, z

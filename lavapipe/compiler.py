@@ -41,35 +41,31 @@ def compile_glsl(
     `name` stands for the source in error messages. `#include "NAME"` takes its text from `include` and from nowhere
     else. `defines` follow `#version` (460 where the source has none). `#line LINE "FILE"` is honoured. The result is
     kept in `cache`, by default the user's. Raises CompileError with file and line of each message, also where the
-    compiler takes longer than `timeout_s` seconds or more memory than it may; InvalidArgument for a bad define; DeviceNotFound
-    where glslangValidator is not installed.
+    compiler takes longer than `timeout_s` seconds or more memory than it may; InvalidArgument for a bad define;
+    DeviceNotFound where glslangValidator is not installed and the result is not in the cache.
     """
     if timeout_s <= 0:
         raise InvalidArgument(f"timeout_s={timeout_s}: a positive number of seconds")
     composed = compose(source, name, include or {}, defines or {})
-    compiler = _compiler()
+    found = shutil.which(_COMMAND)
+    identity = _identity(Path(found)) if found else None
     cache = default_cache() if cache is None else cache
-    key = _key(compiler, composed.text)
-    spirv = cache.get(key)
-    if spirv is None:
-        spirv = _run(compiler, composed, name, timeout_s)
-        cache.put(key, spirv)
+    key = "spirv-" + hashlib.sha256("\0".join([*_FLAGS, composed.text]).encode()).hexdigest()
+    made_by, _, spirv = (cache.get(key) or b"").partition(b"\n")
+    # Where there is no compiler, as in an image without one, what another has compiled is still right.
+    if spirv and identity in (made_by, None):
+        return spirv
+    if found is None:
+        raise DeviceNotFound(f"{_COMMAND} is not installed: run lavapipe/install.sh")
+    spirv = _run(Path(found), composed, name, timeout_s)
+    cache.put(key, _identity(Path(found)) + b"\n" + spirv)
     return spirv
 
 
-def _compiler() -> Path:
-    found = shutil.which(_COMMAND)
-    if found is None:
-        raise DeviceNotFound(f"{_COMMAND} is not installed: run lavapipe/install.sh")
-    return Path(found)
-
-
-def _key(compiler: Path, text: str) -> str:
-    """What the SPIR-V depends on: the text, the options and the compiler itself."""
-    # The file's date and size stand for the version, which would cost a process start to ask for.
+def _identity(compiler: Path) -> bytes:
+    """The compiler's own date and size: they stand for its version, which would cost a process start to ask for."""
     status = compiler.stat()
-    parts = [str(compiler), str(status.st_mtime_ns), str(status.st_size), *_FLAGS, text]
-    return "spirv-" + hashlib.sha256("\0".join(parts).encode()).hexdigest()
+    return f"{status.st_mtime_ns} {status.st_size}".encode()
 
 
 def _run(compiler: Path, composed: Composed, name: str, timeout_s: float) -> bytes:
@@ -129,7 +125,8 @@ def _diagnostics(said: str, composed: Composed, name: str) -> list[Diagnostic]:
             continue
         if not _SUMMARY.match(diagnostic.message):
             found.append(diagnostic)
-    return found[:_MESSAGE_LIMIT]
+    # Where lines are at fault, the linker's complaints only follow from them.
+    return ([d for d in found if d.line] or found)[:_MESSAGE_LIMIT]
 
 
 def _crash(code: int, name: str) -> list[Diagnostic]:

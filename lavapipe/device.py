@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from types import TracebackType
 from typing import Self
 
@@ -14,7 +15,7 @@ from lavapipe.commands import Commands, Dispatch
 from lavapipe.errors import InvalidArgument, ValidationFailed
 from lavapipe.instance import Instance
 from lavapipe.logical import Logical
-from lavapipe.physical import DeviceInfo, choose
+from lavapipe.physical import DeviceInfo, choose, driver_threads
 from lavapipe.pipeline import Pipeline
 from lavapipe.resource import Owner, Resource
 from lavapipe.submission import DeviceTime, Submission
@@ -33,6 +34,9 @@ class Device:
         self.messages = instance.messages
         self.physical = choose(instance, name)
         self.logical = Logical(instance, self.physical)
+        self._info = self.physical.info
+        if self._info.is_lavapipe:
+            self._info = replace(self._info, threads=driver_threads())
         self.owner = Owner()
         self.budget = Budget(memory_limit_bytes)
         self._closed = False
@@ -58,7 +62,7 @@ class Device:
     @property
     def info(self) -> DeviceInfo:
         """Names, versions and limits of the device and its driver."""
-        return self.physical.info
+        return self._info
 
     @property
     def live_objects(self) -> int:

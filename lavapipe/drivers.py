@@ -31,7 +31,8 @@ def check_choice() -> None:
 
 def no_driver_in(variable: str) -> str:
     """What to say where this variable leads to no driver."""
-    return f"{variable}={os.environ[variable]} names no Vulkan driver: unset it, or name a driver's .json file"
+    value = os.environ[variable]
+    return f"{variable}={value} names no Vulkan driver that works here: unset it, or name a driver's .json file"
 
 
 def lavapipe_manifest() -> Path | None:

@@ -1,8 +1,5 @@
 """The error tree: everything this package raises on purpose derives from `LavapipeError`."""
 
-# The names say what happened, without a suffix "Error" each.
-# ruff: noqa: N818
-
 from __future__ import annotations
 
 from collections.abc import Sequence

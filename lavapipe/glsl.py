@@ -2,6 +2,8 @@
 
 Includes are resolved here and not by glslang, whose own include mechanism reads any file of the host. Lines are kept
 with the standard `#line LINE NUMBER`, the number standing for a file name, so that a name may hold any character.
+Comments and line continuations are resolved here as well: what glslang reads is what was checked here, whatever the
+two might think of a stray quote or backslash.
 """
 
 from __future__ import annotations
@@ -20,7 +22,8 @@ _INCLUDE = re.compile(r'\s*(?:"([^"]+)"|<([^>]+)>)\s*')
 _LINE = re.compile(r'\s*(\d{1,9})(?:\s+(?:"([^"]*)"|(\d+)))?\s*')
 _EXTENSION = re.compile(r"\s*(\w+)\s*:\s*\w+\s*")
 _IDENTIFIER = re.compile(r"[A-Za-z_]\w*", re.ASCII)
-_TOKENS = re.compile(r'//[^\n]*|/\*|"[^"\n]*"')
+# NUL stands for a newline that does not end a line: one after a backslash, or in a comment.
+_COMMENT = re.compile(r'"[^"\n]*"|/\0*/[^\n]*|/\0*\*.*?\*\0*/|(?P<unclosed>/\0*\*)', re.DOTALL)
 # Each would let a source reach the files of the host through glslang; `all` switches them on as well.
 _HOST_INCLUDES = ("GL_GOOGLE_include_directive", "GL_ARB_shading_language_include", "all")
 
@@ -70,30 +73,33 @@ class _Composer:
     def add(self, source: str, name: str) -> None:
         """Append a file's text, its includes expanded."""
         self.stack.append(name)
-        file, line, first = name, 1, len(self.stack) == 1
-        if first and "#version" not in source:
+        file, line = name, 1
+        logical_lines = _logical_lines(source, name)
+        versions = (i for i, logical in enumerate(logical_lines) if logical.directive == "version")
+        version = next(versions, None) if len(self.stack) == 1 else None
+        if len(self.stack) == 1 and version is None:
             self._emit("#version 460")
             self._emit_defines()
-        self._emit_line(line, file)
-        for logical in _logical_lines(source, name):
-            if logical.directive == "include":
+        if version is None:
+            # Otherwise nothing may come before #version, not even #line.
+            self._emit_line(line, file)
+        for index, logical in enumerate(logical_lines):
+            following = line + logical.count
+            if logical.directive == "line":
+                following, file = self._moved(logical.rest, file, line)
+                self._emit_line(following, file)
+            elif logical.directive == "include":
                 self._include(logical.rest, file, line)
-                self._emit_line(line + logical.count, file)
-            elif logical.directive == "line":
-                line, file = self._moved(logical.rest, file, line)
-                self._emit_line(line, file)
-                continue
+                self._emit_line(following, file)
+            elif index == version:
+                self._emit(logical.code)
+                self._emit_defines()
+                self._emit_line(following, file)
             elif logical.directive == "extension" and _is_host_include(logical.rest, file, line):
                 self._emit(*[""] * logical.count)
-            elif first and logical.directive == "version":
-                # Nothing may come before #version, not even #line.
-                self.lines = [text for text in self.lines if not text.startswith("#line")]
-                self._emit(*logical.text)
-                self._emit_defines()
-                self._emit_line(line + logical.count, file)
             else:
-                self._emit(*logical.text)
-            line += logical.count
+                self._emit(logical.code, *[""] * (logical.count - 1))
+            line = following
         self.stack.pop()
 
     def _emit(self, *lines: str) -> None:
@@ -144,54 +150,37 @@ def _is_host_include(rest: str, file: str, line: int) -> bool:
 
 @dataclass(frozen=True)
 class _Logical:
-    """A line as the preprocessor sees it: `count` lines of the file, joined by backslashes and block comments."""
+    """A line as a preprocessor sees it, without comments; it covers `count` lines of the file."""
 
-    text: list[str]
+    code: str
+    count: int
     directive: str
     rest: str
 
-    @property
-    def count(self) -> int:
-        return len(self.text)
-
 
 def _logical_lines(source: str, file: str) -> list[_Logical]:
+    if len(source) > _LIMIT_CHARACTERS:
+        raise _error(file, 0, f"more than {_LIMIT_CHARACTERS:,} characters")
     if "\0" in source:
         raise _error(file, source[: source.index("\0")].count("\n") + 1, "a NUL character")
-    physical = source.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    logical, at = [], 0
-    while at < len(physical):
-        end, code = at + 1, _without_comments(physical[at])
-        while end < len(physical) and (code is None or physical[end - 1].endswith("\\")):
-            end += 1
-            code = _without_comments(_spliced(physical[at:end]))
-        match = _DIRECTIVE.fullmatch(code or "")
-        text = physical[at:end]
-        logical.append(_Logical(text, match[1] if match else "", match[2] if match else ""))
-        at = end
-    return logical
+    text = source.replace("\r\n", "\n").replace("\r", "\n").replace("\\\n", "\0")
+
+    def blank(match: re.Match[str]) -> str:
+        token = match[0]
+        if match["unclosed"]:
+            raise _error(file, len(re.findall(r"[\n\0]", text[: match.start()])) + 1, "this comment has no end")
+        return token if token.startswith('"') else " " + "\0" * len(re.findall(r"[\n\0]", token))
+
+    return [_logical(line) for line in _COMMENT.sub(blank, text).split("\n")]
 
 
-def _spliced(lines: list[str]) -> str:
-    return "\n".join(lines).replace("\\\n", "")
-
-
-def _without_comments(text: str) -> str | None:
-    """The text with each comment as one space; None where a block comment is still open at its end."""
-    parts, at = [], 0
-    while match := _TOKENS.search(text, at):
-        parts.append(text[at : match.start()])
-        at = match.end()
-        if match[0] == "/*":
-            close = text.find("*/", at)
-            if close < 0:
-                return None
-            at = close + 2
-            parts.append(" ")
-        elif match[0].startswith('"'):
-            parts.append(match[0])
-    parts.append(text[at:])
-    return "".join(parts)
+def _logical(line: str) -> _Logical:
+    code = line.replace("\0", "")
+    if code.endswith("\\"):
+        # The backslash at the very end of a file must not swallow the line that follows in the composed text.
+        code += " "
+    match = _DIRECTIVE.fullmatch(code)
+    return _Logical(code, 1 + line.count("\0"), match[1] if match else "", match[2] if match else "")
 
 
 def _error(file: str, line: int, message: str) -> CompileError:

@@ -6,7 +6,7 @@ from contextlib import ExitStack, nullcontext
 from typing import Any
 
 from lavapipe import _binding as vk
-from lavapipe import drivers
+from lavapipe import drivers, threads
 from lavapipe.errors import DeviceNotFound, DriverError
 from lavapipe.messages import Messages
 
@@ -22,6 +22,7 @@ class Instance:
 
     def __init__(self, *, validation: bool, any_driver: bool) -> None:
         drivers.check_choice()
+        threads.respect_quota()
         self.messages = Messages()
         self._callback = vk.message_callback(self.messages.receive)
         with ExitStack() as teardown, nullcontext() if any_driver else drivers.pinned_to_lavapipe():
@@ -33,8 +34,13 @@ class Instance:
         self._teardown.close()
 
     def physical_devices(self) -> list[Any]:
-        """The VkPhysicalDevice handles, in the loader's order."""
-        return vk.enumerate_all("VkPhysicalDevice", "vkEnumeratePhysicalDevices", self.handle)
+        """The VkPhysicalDevice handles, in the loader's order. Raises DeviceNotFound where every driver fails."""
+        try:
+            return vk.enumerate_all("VkPhysicalDevice", "vkEnumeratePhysicalDevices", self.handle)
+        except DriverError as error:
+            if error.result == "VK_ERROR_INITIALIZATION_FAILED":  # a driver whose hardware is not here
+                raise DeviceNotFound(no_driver()) from None
+            raise
 
     def _create(self, teardown: ExitStack, validation: bool) -> Any:
         arena = vk.Arena()

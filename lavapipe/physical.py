@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import os
 import re
+import time
+from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from lavapipe import _binding as vk
@@ -13,15 +16,17 @@ from lavapipe.errors import DeviceNotFound
 from lavapipe.instance import Instance, no_driver
 
 _LOOP_LIMIT = 65535
+_MOST_THREADS = 32  # measured on 22.3.6
+_NAMING_S = 0.25
 
 
 @dataclass(frozen=True)
 class DeviceInfo:
     """What is known of a device.
 
-    `threads` are those the driver computes with. `loop_limit` is the number of loop iterations, all loops together,
-    after which this driver silently ends every loop of a shader invocation; None where it has no such limit.
-    `timestamp_ns` is the length of a timestamp tick, None where the device has no timestamps.
+    `threads` are those lavapipe computes with, 1 for other drivers. `loop_limit` is the number of loop iterations, all
+    loops together, after which this driver silently ends every loop of a shader invocation; None where it has no such
+    limit. `timestamp_ns` is the length of a timestamp tick, None where the device has no timestamps.
     """
 
     name: str
@@ -106,7 +111,7 @@ def _inspect(handle: Any) -> Physical | None:
         driver_name=vk.text(driver.driverName),
         driver_version=version,
         api_version=f"{base.apiVersion >> 22 & 0x7F}.{base.apiVersion >> 12 & 0x3FF}.{base.apiVersion & 0xFFF}",
-        threads=_threads(),
+        threads=1,
         loop_limit=_loop_limit(version) if lavapipe else None,
         subgroup_size=subgroup.subgroupSize,
         max_groups=tuple(base.limits.maxComputeWorkGroupCount),
@@ -126,10 +131,29 @@ def _compute_queue_family(handle: Any) -> tuple[int, int] | None:
     return None
 
 
-def _threads() -> int:
-    wanted = os.environ.get("LP_NUM_THREADS", "")
-    # 0 makes lavapipe compute in its queue thread: one as well.
-    return max(1, int(wanted)) if wanted.isdecimal() else len(os.sched_getaffinity(0))
+def driver_threads() -> int:
+    """How many threads lavapipe computes with in this process, once a device is open.
+
+    They are counted and not derived from LP_NUM_THREADS and the processors: the driver has an upper limit of its own,
+    and goes on with fewer, without a word, where the system refuses threads.
+    """
+    setting = os.environ.get("LP_NUM_THREADS", "")
+    wanted = int(setting) if setting.isdecimal() else len(os.sched_getaffinity(0))
+    deadline = time.monotonic() + _NAMING_S
+    # A thread gives itself its name when it first runs, which may be a moment after the device is there.
+    while (count := _named_threads()) < min(wanted, _MOST_THREADS) and time.monotonic() < deadline:
+        time.sleep(0.001)
+    # With LP_NUM_THREADS=0 there are none: the queue's own thread computes.
+    return max(1, count)
+
+
+def _named_threads() -> int:
+    names = set()
+    for file in Path("/proc/self/task").glob("*/comm"):
+        with suppress(OSError):
+            names.add(file.read_text().strip())
+    # Every device names its threads from 0.
+    return sum(re.fullmatch(r"llvmpipe-\d+", name) is not None for name in names)
 
 
 def _loop_limit(driver_version: str) -> int | None:

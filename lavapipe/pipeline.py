@@ -74,7 +74,9 @@ def _check_interface(device: Device, module: Module, buffers: int, push_constant
     if "main" not in module.entry_points:
         raise InvalidArgument(f"spirv: the entry point must be 'main', not {', '.join(module.entry_points)}")
     if module.other_resources:
-        raise InvalidArgument("spirv: only storage buffers can be bound, no images, samplers or uniform buffers")
+        raise InvalidArgument(
+            "spirv: only single storage buffers can be bound, no images, samplers, uniform buffers or arrays of buffers"
+        )
     if buffers < 0:
         raise InvalidArgument(f"buffers={buffers}: 0 or more")
     beyond = sorted(place for place in module.bindings if place[0] != 0 or place[1] >= buffers)

@@ -6,6 +6,7 @@ process dies. So the host reads the module first. Numbers are those of the SPIR-
 
 from __future__ import annotations
 
+import numbers
 import struct
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -37,16 +38,18 @@ class SpecConstant:
 
     def encode(self, value: int | float | bool) -> bytes:
         """The value as Vulkan takes it; raises InvalidArgument where the type cannot hold it."""
-        if self.kind == "float":
-            return struct.pack({16: "<e", 32: "<f", 64: "<d"}[self.bits], value)
-        if self.kind == "bool" and value not in (False, True):
-            raise InvalidArgument(f"{value!r} is no bool")
-        if int(value) != value:
-            raise InvalidArgument(f"{value!r} is no whole number")
+        if not isinstance(value, numbers.Real):
+            raise InvalidArgument(f"{value!r} is no number")
         try:
-            return int(value).to_bytes(self.bits // 8, "little", signed=self.kind == "int")
-        except OverflowError:
-            raise InvalidArgument(f"{value!r} does not fit {self.kind}{self.bits}") from None
+            if self.kind == "float":
+                return struct.pack({16: "<e", 32: "<f", 64: "<d"}[self.bits], value)
+            if int(value) == value and (self.kind != "bool" or value in (0, 1)):
+                return int(value).to_bytes(self.bits // 8, "little", signed=self.kind == "int")
+        except (OverflowError, ValueError):
+            pass
+        raise InvalidArgument(
+            f"{value!r} does not fit {self.kind if self.kind == 'bool' else self.kind + str(self.bits)}"
+        )
 
 
 @dataclass(frozen=True)
@@ -54,7 +57,7 @@ class Module:
     """What a compute module asks for.
 
     `bindings` are the (set, binding) of its storage buffers, `other_resources` whether it declares images, samplers,
-    uniform buffers and the like, `push_constant_bytes` the end of its push-constant block.
+    uniform buffers, arrays of buffers and the like, `push_constant_bytes` the end of its push-constant block.
     """
 
     instructions: int
@@ -69,6 +72,13 @@ class Module:
 def read_module(spirv: bytes) -> Module:
     """Read a SPIR-V module; raises InvalidArgument where it is none."""
     words = _words(spirv)
+    try:
+        return _read(words)
+    except (LookupError, RecursionError):
+        raise InvalidArgument("spirv: damaged, it refers to what it does not declare") from None
+
+
+def _read(words: Sequence[int]) -> Module:
     tables = _Tables()
     count = 0
     for opcode, operands in _instructions(words):
@@ -77,13 +87,13 @@ def read_module(spirv: bytes) -> Module:
     if not tables.entry_points:
         raise InvalidArgument("spirv: no compute entry point")
     placed = {i: (tables.sets.get(i, 0), b) for i, b in tables.bindings.items()}
-    classes = {i: storage for i, (_, storage) in tables.variables.items()}
+    buffers = {i for i in placed if tables.is_buffer(i)}
     return Module(
         instructions=count,
         capabilities=frozenset(tables.capabilities),
         entry_points=tuple(tables.entry_points),
-        bindings=frozenset(place for i, place in placed.items() if classes.get(i) == _STORAGE_BUFFER),
-        other_resources=any(classes.get(i) != _STORAGE_BUFFER for i in placed),
+        bindings=frozenset(placed[i] for i in buffers),
+        other_resources=len(buffers) < len(placed),
         specialization=tables.specialization(),
         push_constant_bytes=tables.push_constant_bytes(),
     )
@@ -123,6 +133,7 @@ class _Tables:
     bindings: dict[int, int] = field(default_factory=dict)
     strides: dict[int, int] = field(default_factory=dict)
     members: dict[tuple[int, int, int], int] = field(default_factory=dict)
+    sizes: dict[tuple[int, int], int] = field(default_factory=dict)
 
     def take(self, opcode: int, words: Sequence[int]) -> None:
         try:
@@ -156,6 +167,11 @@ class _Tables:
         if words[1] in tables:
             tables[words[1]][words[0]] = words[2]
 
+    def is_buffer(self, variable: int) -> bool:
+        """Whether this is one storage buffer; an array of them takes other bindings."""
+        pointer, storage = self.variables.get(variable, (0, -1))
+        return storage == _STORAGE_BUFFER and self.types[self.types[pointer][1][1]][0] == _TYPE_STRUCT
+
     def specialization(self) -> dict[int, SpecConstant]:
         return {
             spec_id: self._scalar(self.spec_types[target])
@@ -176,6 +192,13 @@ class _Tables:
         return max((self._size(self.types[pointer][1][1]) for pointer in blocks), default=0)
 
     def _size(self, type_id: int, matrix_stride: int = 0) -> int:
+        # Remembered, because structures nested twice each would double the work with every level.
+        key = type_id, matrix_stride
+        if key not in self.sizes:
+            self.sizes[key] = self._measured(type_id, matrix_stride)
+        return self.sizes[key]
+
+    def _measured(self, type_id: int, matrix_stride: int) -> int:
         opcode, words = self.types[type_id]
         if opcode in (_TYPE_INT, _TYPE_FLOAT):
             return words[0] // 8

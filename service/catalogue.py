@@ -26,6 +26,7 @@ RESERVED = frozenset(
     {
         *("model", "parameters", "zip", "techniques", "angles", "theta_o_deg", "phi_o_deg", "statistics", "reference"),
         *("estimator", "method", "samples", "seed", "tolerance", "error_bars", "format"),
+        *("target_error", "replicates", "estimators"),
     }
 )
 """Names of a scene's fields and of query parameters, which a parameter may not have."""

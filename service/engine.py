@@ -10,9 +10,9 @@ from lavapipe import Cache, Device, Pipeline, compile_glsl, default_cache
 from service.catalogue import Catalogue, Entry, load_catalogue
 from service.variant import Precision, compose
 
-Job = Literal["statistics", "probe"]
-_BUFFERS: Mapping[Job, int] = {"statistics": 4, "probe": 4}
-_PUSH_CONSTANT_BYTES: Mapping[Job, int] = {"statistics": 16, "probe": 8}
+Job = Literal["statistics", "probe", "quadrature", "cost"]
+_BUFFERS: Mapping[Job, int] = {"statistics": 4, "probe": 4, "quadrature": 6, "cost": 2}
+_PUSH_CONSTANT_BYTES: Mapping[Job, int] = {"statistics": 16, "probe": 8, "quadrature": 0, "cost": 8}
 
 
 class Engine:

@@ -1,4 +1,4 @@
-"""Figures of papers, as scenes: the numbers behind `samplerscope figure NAME`."""
+"""Figures and tables of papers, as scenes: the numbers behind `samplerscope figure NAME`."""
 
 from __future__ import annotations
 
@@ -6,17 +6,22 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from service.engine import Engine
 from service.errors import BadInput, Problem
-from service.scene import Scene, parse_scene
+from service.scene import Scene, parse_scene, resolve
+from service.statistics import Progress, compute_statistics
 
 
 @dataclass(frozen=True)
 class PaperFigure:
-    """A figure of a paper: its scene, and how it is drawn (a chart of `service.figures`)."""
+    """A figure of a paper: its scene, and how it is drawn (a chart of `service.figures`).
+
+    `convergence` is a chart of the scene's errors; `timings` is a table of the whole catalogue, without a chart.
+    """
 
     title: str
     scene: Mapping[str, Any]
-    chart: Literal["statistics", "roughness"]
+    chart: Literal["statistics", "roughness", "convergence", "timings"]
 
 
 FIGURES: Mapping[str, PaperFigure] = {
@@ -43,6 +48,22 @@ FIGURES: Mapping[str, PaperFigure] = {
         },
         chart="roughness",
     ),
+    "eon-convergence": PaperFigure(
+        title="Error against run time for EON at roughness 1: six techniques, three estimators",
+        scene={
+            "model": "eon",
+            "parameters": {"roughness": [1.0]},
+            "techniques": ["cosine", "uniform", "ltc-nonnegative", "ltc", "cltc", "cltc-mis"],
+            "theta_o_deg": [0.0, 45.0, 80.0, 89.0],
+            "estimator": {"samples": 2**20},
+        },
+        chart="convergence",
+    ),
+    "eon-table-1": PaperFigure(
+        title="What a call costs, for every model and technique (EON paper, table 1)",
+        scene={"model": "eon", "estimator": {}},
+        chart="timings",
+    ),
 }
 
 
@@ -55,4 +76,23 @@ def paper_figure(name: str) -> PaperFigure:
 
 def figure_scene(figure: PaperFigure, **estimator: int) -> Scene:
     """The scene of a figure, with its samples or seed replaced where they are given."""
-    return parse_scene({**figure.scene, "estimator": {**figure.scene["estimator"], **estimator}})
+    scene = {**figure.scene, "estimator": {**figure.scene["estimator"], **estimator}}
+    if figure.chart == "convergence":
+        from service.convergence.scene import parse_convergence_scene
+
+        return parse_convergence_scene(scene)
+    return parse_scene(scene)
+
+
+def compute_figure(figure: PaperFigure, scene: Scene, engine: Engine, progress: Progress) -> dict[str, Any]:
+    """The result behind a figure: statistics, convergence or timings, by what is drawn."""
+    if figure.chart == "timings":
+        from service.convergence import compute_timings
+
+        return compute_timings(engine, progress=progress)
+    question = resolve(scene, engine.catalogue)
+    if figure.chart == "convergence":
+        from service.convergence import compute_convergence
+
+        return compute_convergence(question, engine, progress)
+    return compute_statistics(question, engine, progress)

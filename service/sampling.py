@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import struct
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from copy import deepcopy
 from dataclasses import dataclass
 from typing import Any
 
@@ -82,11 +83,8 @@ class Sampler:
         self._device = device
         self._pipeline = pipeline
         self._count = len(cells)
-        table = np.zeros(len(cells), _CELL)
-        table["wo"] = cells.wo
-        table["key"] = cells.keys
-        self._cells = device.buffer((len(cells),), _CELL)
-        self._cells.array[:] = table
+        self._cells = device.buffer((len(cells),), CELL)
+        self._cells.array[:] = cell_table(cells)
         self._parameters = device.buffer((max(1, cells.parameters.size),), np.float32)
         self._parameters.array[: cells.parameters.size] = cells.parameters.ravel()
         self._outputs = [self._output_pair() for _ in range(LAUNCHES_IN_FLIGHT)]
@@ -111,20 +109,36 @@ class Sampler:
 
     def run(self, samples: int, progress: Callable[[int], None] = lambda done: None) -> CellSums:
         """Draw `samples` samples for every cell. `progress` is called with the number just finished."""
-        total = _empty_sums(self._count)
-        total.shift[:] = self._pilot(min(samples, PILOT_SAMPLES))
-        self._cells.array["shift"] = total.shift
+        return self.run_prefixes([samples], progress)[0]
+
+    def run_prefixes(
+        self, counts: Sequence[int], progress: Callable[[int], None] = lambda done: None
+    ) -> list[CellSums]:
+        """What `run` gives for each of these increasing counts, drawing no block twice where a count ends with one."""
+        shift = self._pilot(min(counts[-1], PILOT_SAMPLES))
+        self._cells.array["shift"] = shift
+        found: list[CellSums] = []
+        total, drawn = _empty_sums(shift), 0
+        for count in counts:
+            if drawn % BLOCK_SAMPLES:
+                total, drawn = _empty_sums(shift), 0
+            self._extend(total, drawn // BLOCK_SAMPLES, count, progress)
+            if np.any(total.drawn != count):
+                raise IncompleteRun(f"the driver ended a loop after {total.drawn.min()} of {count} samples")
+            drawn = count
+            found.append(deepcopy(total))
+        return found
+
+    def _extend(self, total: CellSums, first_block: int, samples: int, progress: Callable[[int], None]) -> None:
+        """Add the blocks from `first_block` on, up to `samples` samples in all."""
         pending: deque[tuple[_Launch, Submission, tuple[Buffer, Buffer]]] = deque()
-        for number, launch in enumerate(_launches(self._count, samples)):
+        for number, launch in enumerate(_launches(self._count, first_block, samples)):
             if len(pending) == LAUNCHES_IN_FLIGHT:
                 progress(_add(total, *pending.popleft()))
             outputs = self._outputs[number % LAUNCHES_IN_FLIGHT]
             pending.append((launch, self._submit(launch, samples, outputs), outputs))
         while pending:
             progress(_add(total, *pending.popleft()))
-        if np.any(total.drawn != samples):
-            raise IncompleteRun(f"the driver ended a loop after {total.drawn.min()} of {samples} samples")
-        return total
 
     def _pilot(self, samples: int) -> NDArray[np.float64]:
         """The median of every cell's first weights: the shift of its power sums."""
@@ -154,15 +168,24 @@ class Sampler:
         return self._device.buffer(size, np.float32), self._device.buffer(size, np.uint32)
 
 
-_CELL = np.dtype([("wo", "<f4", 3), ("shift", "<f4"), ("key", "<u4", 2), ("padding", "<u4", 2)])
+CELL = np.dtype([("wo", "<f4", 3), ("shift", "<f4"), ("key", "<u4", 2), ("padding", "<u4", 2)])
+"""A cell as the shaders see it."""
 
 
-def _launches(cells: int, samples: int) -> Iterator[_Launch]:
+def cell_table(cells: Cells) -> NDArray[Any]:
+    """The cells as an array of CELL, shift 0."""
+    table = np.zeros(len(cells), CELL)
+    table["wo"] = cells.wo
+    table["key"] = cells.keys
+    return table
+
+
+def _launches(cells: int, start: int, samples: int) -> Iterator[_Launch]:
     blocks = -(-samples // BLOCK_SAMPLES)
     for first_cell in range(0, cells, LAUNCH_BLOCKS):
         count = min(LAUNCH_BLOCKS, cells - first_cell)
         step = LAUNCH_BLOCKS // count
-        for first_block in range(0, blocks, step):
+        for first_block in range(start, blocks, step):
             yield _Launch(first_cell, count, first_block, min(step, blocks - first_block))
 
 
@@ -200,7 +223,9 @@ def _note_first_bad(first_bad: NDArray[np.int64], found: NDArray[np.uint32], fir
     first_bad[fresh] = indices[fresh]
 
 
-def _empty_sums(cells: int) -> CellSums:
+def _empty_sums(shift: NDArray[np.float64]) -> CellSums:
+    cells = len(shift)
+
     def none_yet() -> NDArray[np.int64]:
         return np.zeros(cells, np.int64)
 
@@ -210,7 +235,7 @@ def _empty_sums(cells: int) -> CellSums:
         nonfinite=none_yet(),
         negative=none_yet(),
         first_bad=np.full(cells, -1, np.int64),
-        shift=np.zeros(cells),
+        shift=shift,
         powers=np.zeros((4, cells)),
         largest=np.full(cells, -np.inf),
     )

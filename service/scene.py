@@ -13,18 +13,20 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
 from service.catalogue import Catalogue, Entry, Parameter
 from service.errors import BadInput, Problem
 
 Statistic = Literal["mean", "variance", "max_weight"]
 STATISTICS: tuple[Statistic, ...] = ("mean", "variance", "max_weight")
-Method = Literal["mc"]
+Method = Literal["mc", "qmc", "quadrature"]
+METHODS: tuple[Method, ...] = ("mc", "qmc", "quadrature")
 
 MAX_ANGLES = 4096
 MAX_SAMPLES = 2**40
 MAX_CELLS = 2**20
+MIN_TOLERANCE = 1e-6  # weights are float32
 GRAZING_COUNT_END_DEG = 90 * 0.999  # --angles N ends here, as the figures of the EON paper do
 
 
@@ -47,11 +49,19 @@ class AngleCount(_Strict):
 
 
 class Estimator(_Strict):
-    """How statistics are computed."""
+    """How statistics are computed. With a tolerance and no method, the method is chosen; without either it is mc."""
 
-    method: Method = "mc"
+    method: Method | None = None
     samples: int = Field(1_000_000, ge=1, le=MAX_SAMPLES)
     seed: int = Field(0, ge=0, lt=2**63)
+    tolerance: float | None = Field(None, ge=MIN_TOLERANCE, le=1, allow_inf_nan=False)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _default_method(cls, data: Any) -> Any:
+        if isinstance(data, Mapping) and data.get("method") is None and data.get("tolerance") is None:
+            return {**data, "method": "mc"}
+        return data
 
 
 class Scene(_Strict):
@@ -63,7 +73,7 @@ class Scene(_Strict):
     techniques: Annotated[list[str], BeforeValidator(_as_list), Field(min_length=1)] | None = None
     theta_o_deg: AngleCount | Annotated[list[Angle], Field(min_length=1, max_length=MAX_ANGLES)] = AngleCount(count=64)
     statistics: Annotated[list[Statistic], BeforeValidator(_as_list), Field(min_length=1)] = list(STATISTICS)
-    estimator: Estimator = Estimator()
+    estimator: Estimator = Estimator(method="mc")
     error_bars: bool = True
     reference: bool = True
 
@@ -98,7 +108,7 @@ def parse_scene(data: Mapping[str, Any]) -> Scene:
     try:
         return Scene.model_validate(data)
     except ValidationError as error:
-        raise BadInput(_problems(error)) from None
+        raise BadInput(scene_problems(error)) from None
 
 
 def resolve(scene: Scene, catalogue: Catalogue) -> Question:
@@ -166,7 +176,7 @@ def _one_or_list(values: list[float]) -> object:
     return values[0] if len(values) == 1 else values
 
 
-def _problems(error: ValidationError) -> list[Problem]:
+def scene_problems(error: ValidationError) -> list[Problem]:
     """Pydantic's findings as fields, values and ranges. A union reports every branch; the most telling one is kept."""
     found: dict[str, Problem] = {}
     for item in error.errors(include_url=False):
@@ -196,6 +206,10 @@ _ALLOWED = {
     "statistics": "a list out of " + ", ".join(STATISTICS),
     "estimator.samples": f"a whole number, 1 to {MAX_SAMPLES}",
     "estimator.seed": "a whole number, 0 to 2^63 - 1",
+    "estimator.tolerance": f"a number, {MIN_TOLERANCE:g} to 1",
+    "target_error": "a number above 0 and below 1",
+    "replicates": "a whole number, 32 to 1024",
+    "estimators": "a list out of mc, qmc, quadrature",
     "parameters": "a number or a list of numbers for each name",
     "zip": "lists of two or more names of swept parameters",
 }

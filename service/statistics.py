@@ -8,13 +8,16 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from service.engine import Engine
-from service.moments import Statistics, from_power_sums
-from service.random_numbers import cell_key, random_pairs
+from service.estimators import Estimate, estimate
+from service.estimators.quadrature import LEAST_VARIANCE
+from service.moments import Statistics
+from service.random_numbers import cell_key
 from service.reference import CellReference
 from service.reference_store import series_reference
-from service.sampling import Cells, CellSums, Sampler
+from service.sampling import Cells
 from service.scene import Question, Scene, SeriesPlan, radians
 from service.verdict import Evidence, finite_or_none, verdict
 
@@ -34,18 +37,19 @@ def compute_statistics(question: Question, engine: Engine, progress: Progress = 
     done = 0
     compile_ms = 0.0
     series = []
-    for plan in question.series:
+    for number, plan in enumerate(question.series):
         name = plan.technique.name
 
         def advance(samples: int, name: str = name) -> None:
             nonlocal done
             done += samples
-            progress(name, done, total)
+            progress(name, min(done, total), total)
 
+        done = number * total // len(question.series)  # an estimator may need more or fewer samples than asked for
         progress(name, done, total)
-        sums, built_ms = _draw(plan, scene, engine, advance)
+        entry, built_ms = _series(plan, scene, engine, advance)
         compile_ms += built_ms
-        series.append(_series(plan, scene, sums, engine))
+        series.append(entry)
     info = engine.device.info
     return {
         "kind": "statistics",
@@ -97,101 +101,113 @@ def series_cells(plan: SeriesPlan, scene: Scene) -> Cells:
     return Cells(wo, keys, np.repeat(row, len(angles), axis=0))
 
 
-def _draw(plan: SeriesPlan, scene: Scene, engine: Engine, advance: Callable[[int], None]) -> tuple[CellSums, float]:
-    """The sums of one series, and the milliseconds that building its pipeline took."""
-    specialization = {0: moments_needed(scene), 1: "max_weight" in scene.statistics}
-    begin = time.perf_counter()
-    pipeline = engine.pipeline(plan.model, plan.technique, "statistics", specialization)
-    with Sampler(engine.device, pipeline, series_cells(plan, scene)) as sampler:
-        sampler.warm_up()
-        built_ms = 1e3 * (time.perf_counter() - begin)
-        return sampler.run(scene.estimator.samples, advance), built_ms
-
-
-def _series(plan: SeriesPlan, scene: Scene, sums: CellSums, engine: Engine) -> dict[str, Any]:
+def _series(
+    plan: SeriesPlan, scene: Scene, engine: Engine, advance: Callable[[int], None]
+) -> tuple[dict[str, Any], float]:
+    """One series of the result, and the milliseconds that building its shader took."""
     angles = scene.angles_deg
     cells = None
     if scene.reference and not (plan.model.own or plan.technique.own):
         cells = series_reference(plan.model.name, plan.technique.name, plan.parameters, angles, engine.cache)
-    moments = moments_needed(scene)
-    statistics = from_power_sums(sums.counted, sums.shift, sums.powers, moments) if moments else None
+    found = estimate(plan, scene, engine, series_cells(plan, scene), cells, moments_needed(scene), advance)
     entry: dict[str, Any] = {
         "model": plan.model.name,
         "technique": plan.technique.name,
         "parameters": dict(plan.parameters),
         "theta_o_deg": list(angles),
     }
-    if statistics is not None:
-        entry |= _moment_columns(scene, statistics, cells)
+    if found.statistics is not None:
+        entry |= _moment_columns(scene, found.statistics, cells)
     if "max_weight" in scene.statistics:
-        entry["max_weight"] = finite_or_none(sums.largest)
+        entry["max_weight"] = finite_or_none(found.largest)
     evidence = Evidence(
         theta_o_deg=angles,
-        samples=scene.estimator.samples,
-        sums=sums,
-        statistics=statistics,
+        estimator=found.estimator,
+        sums=found,
+        statistics=found.statistics,
         reference=cells,
-        replay=_replays(plan, scene, sums),
+        replay=_replays(plan, scene, found),
     )
     return entry | {
-        "zero_fraction": (sums.zero / sums.drawn).tolist(),
-        "nonfinite": sums.nonfinite.tolist(),
-        "samples": scene.estimator.samples,
-        "reference": _reference_columns(scene, cells),
+        "zero_fraction": found.zero_fraction.tolist(),
+        "nonfinite": found.nonfinite.tolist(),
+        "samples": found.estimator.samples,
+        "estimator": found.estimator.model_dump(mode="json", exclude_none=True),
+        "reference": _reference_columns(scene, found, cells),
         "verdict": verdict(evidence),
-        "device_ms": sums.device_ns / 1e6,
-    }
+        "device_ms": found.device_ns / 1e6,
+    }, found.built_ms
 
 
 def _moment_columns(
     scene: Scene, statistics: Statistics, cells: Sequence[CellReference] | None
 ) -> dict[str, list[float | None]]:
-    """Mean and variance with their standard errors; null where the moment behind a standard error is infinite."""
+    """Mean and variance with their standard errors; null where the moment behind a standard error is infinite.
+
+    A quadrature gives no variance where it is infinite, and bounds of its own error in place of standard errors.
+    """
     variance = np.array([cell.variance for cell in cells]) if cells else np.zeros(len(statistics.mean))
     fourth = np.array([cell.fourth_moment for cell in cells]) if cells else np.zeros(len(statistics.mean))
+    by_rule = np.isfinite(variance) & np.isnan(statistics.variance_stderr)
     columns = {}
     if "mean" in scene.statistics:
         columns["mean"] = finite_or_none(statistics.mean)
         if scene.error_bars:
-            columns["mean_stderr"] = finite_or_none(np.where(np.isfinite(variance), statistics.mean_stderr, np.nan))
+            known = np.isfinite(variance) | (scene.estimator.method in (None, "quadrature"))
+            columns["mean_stderr"] = finite_or_none(np.where(known, statistics.mean_stderr, np.nan))
     if "variance" in scene.statistics:
         columns["variance"] = finite_or_none(statistics.variance)
         if scene.error_bars:
-            known = np.isfinite(fourth)
+            known = np.isfinite(fourth) & ~by_rule
             columns["variance_stderr"] = finite_or_none(np.where(known, statistics.variance_stderr, np.nan))
     return columns
 
 
-def _reference_columns(scene: Scene, cells: Sequence[CellReference] | None) -> dict[str, list[float | None]] | None:
-    """The reference as columns; `variance_stderr` is the standard error to expect of a variance from this many
-    samples.
+def _reference_columns(
+    scene: Scene, found: Estimate, cells: Sequence[CellReference] | None
+) -> dict[str, list[float | None]] | None:
+    """The reference as columns, and the relative errors of the estimate against it.
+
+    `variance_stderr` is the standard error to expect of a variance from this many independent samples.
     """
     if cells is None:
         return None
-    n = scene.estimator.samples
+    n = found.estimator.samples
     spread = [
         math.sqrt(max(0.0, cell.fourth_moment - cell.variance**2 * (n - 3) / max(1, n - 1)) / n)
         if math.isfinite(cell.fourth_moment)
         else math.inf
         for cell in cells
     ]
-    return {
+    columns = {
         "mean": finite_or_none(cell.mean for cell in cells),
         "albedo": finite_or_none(cell.albedo for cell in cells),
         "variance": finite_or_none(cell.variance for cell in cells),
         "variance_stderr": finite_or_none(spread),
         "max_weight": finite_or_none(cell.max_weight for cell in cells),
     }
+    if found.statistics is not None and "mean" in scene.statistics:
+        columns["mean_error"] = _relative_errors(found.statistics.mean, [cell.mean for cell in cells])
+    if found.statistics is not None and "variance" in scene.statistics:
+        columns["variance_error"] = _relative_errors(found.statistics.variance, [cell.variance for cell in cells])
+    return columns
 
 
-def _replays(plan: SeriesPlan, scene: Scene, sums: CellSums) -> list[dict[str, Any]]:
+def _relative_errors(values: NDArray[np.float64], truth: Sequence[float]) -> list[float | None]:
+    """Estimate over reference, less 1; null where the reference is infinite or as good as zero."""
+    exact = np.array(truth)
+    usable = np.isfinite(exact) & (np.abs(exact) > LEAST_VARIANCE)
+    return finite_or_none(np.where(usable, values / np.where(usable, exact, 1.0) - 1.0, np.nan))
+
+
+def _replays(plan: SeriesPlan, scene: Scene, found: Estimate) -> list[dict[str, Any]]:
     """The exact inputs of the first non-finite sample of every cell; empty where there is none."""
     replays: list[dict[str, Any]] = []
-    for angle, index in zip(scene.angles_deg, sums.first_bad.tolist(), strict=True):
-        if index < 0:
+    for angle, bad in zip(scene.angles_deg, found.bad_inputs, strict=True):
+        if bad is None:
             replays.append({})
             continue
-        u = random_pairs(cell_key(scene.estimator.seed, angle), np.array([index], np.uint64))[0]
+        index, u = bad
         replays.append(
             {
                 "model": plan.model.name,

@@ -52,12 +52,17 @@ def compose(catalogue: Catalogue, model: Entry, technique: Entry, job: str, prec
             _part(model, "model", model.head.parameters),
             _part(technique, "technique", [*technique.head.parameters, *technique.head.uses]),
             f"#define ALBEDO_OF_VIEW {'model_directional_albedo(wo.z)' if has_albedo else '0.0'}\n",
+            f"#define U1_SPLIT {'technique_u1_split(wo)' if 'u1_split' in technique.declared else '0.0'}\n",
             '#line 1 "variant"\n#include "common/weight.glsl"\n',
             f'#line 1 "{job}.comp"\n',
             _job_text(job),
         ]
     )
-    includes = {**catalogue.includes, "variant/load_parameters.glsl": _loader(parameters)}
+    includes = {
+        **catalogue.includes,
+        "variant/load_parameters.glsl": _loader(parameters),
+        "variant/draw_parameters.glsl": _drawer(parameters),
+    }
     name = f"{model.name}+{technique.name}.{job}"
     if precision == "double":
         includes = {key: part if key in _NOT_WIDENED else widen(part) for key, part in includes.items()}
@@ -78,6 +83,23 @@ def _loader(parameters: Sequence[str]) -> str:
         f"    parameter_{name} = parameter_values[cell * {stride}u + {i}u];\n" for i, name in enumerate(parameters)
     ]
     return "void load_parameters(uint cell) {\n" + "".join(lines) + "}\n"
+
+
+def _drawer(parameters: Sequence[str]) -> str:
+    """The function that gives every parameter a random value within its range, and returns their sum.
+
+    The first two come from bits that the caller has, each four of the others from one hash.
+    """
+    lines = []
+    for i, name in enumerate(parameters):
+        if i >= 2 and i % 4 == 2:
+            lines.append(f"    bits = pcg4d(uvec4(counter, {i}u, 3u));\n")
+        word = "xyzw"[i if i < 2 else (i - 2) % 4]
+        unit = f"(float(int(bits.{word} >> 8u)) * 5.9604644775390625e-8)"
+        lines.append(f"    parameter_{name} = ranges[{i}].x + ranges[{i}].y * {unit};\n")
+    total = " + ".join(f"parameter_{name}" for name in parameters) or "0.0"
+    head = "float draw_parameters(uvec2 given, uvec2 counter) {\n    uvec4 bits = uvec4(given, 0u, 0u);\n"
+    return head + "".join(lines) + f"    return {total};\n}}\n"
 
 
 def _job_text(job: str) -> str:

@@ -8,14 +8,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from service.moments import Statistics
 from service.reference import CellReference
-from service.sampling import CellSums
+from service.scene import Estimator
 
 FALSE_ALARM = 1e-6
 """Probability that a correct series is called biased by chance."""
@@ -45,16 +45,50 @@ Angles = Sequence[float]
 Bools = NDArray[np.bool_]
 
 
+class Counts(Protocol):
+    """What was counted sample by sample and what the estimator says of itself, each of shape (cells,)."""
+
+    @property
+    def nonfinite(self) -> NDArray[np.int64]:
+        """Samples that are not finite."""
+        ...
+
+    @property
+    def negative(self) -> NDArray[np.int64]:
+        """Samples with a negative weight."""
+        ...
+
+    @property
+    def unreached(self) -> Bools:
+        """Cells whose tolerance was not reached."""
+        ...
+
+    @property
+    def divergent(self) -> Bools:
+        """Cells whose variance grew without limit."""
+        ...
+
+
 @dataclass(frozen=True)
 class Evidence:
     """All that a verdict rests on, one entry an angle. `statistics` is None where no moment was asked for."""
 
     theta_o_deg: Angles
-    samples: int
-    sums: CellSums
+    estimator: Estimator
+    sums: Counts
     statistics: Statistics | None
     reference: Sequence[CellReference] | None
     replay: Sequence[dict[str, Any]]
+
+    @property
+    def samples(self) -> int:
+        """Samples for each angle."""
+        return self.estimator.samples
+
+    @property
+    def by_rule(self) -> bool:
+        """Whether the numbers come from a quadrature, which draws nothing."""
+        return self.estimator.method == "quadrature"
 
 
 def verdict(evidence: Evidence) -> dict[str, Any]:
@@ -63,7 +97,8 @@ def verdict(evidence: Evidence) -> dict[str, Any]:
     if evidence.reference is not None:
         findings += _known(evidence, evidence.reference)
     if evidence.statistics is not None:
-        findings += _biased(evidence, evidence.statistics) + _tails(evidence, evidence.statistics)
+        findings += _biased(evidence, evidence.statistics) + _unreached(evidence, evidence.statistics)
+        findings += _tails(evidence, evidence.statistics) if not evidence.by_rule else []
     held = sorted((finding for finding in findings if finding is not None), key=lambda f: ORDER.index(f["name"]))
     return {"status": held[0]["name"] if held else "ok", "findings": held}
 
@@ -122,7 +157,8 @@ def _known(e: Evidence, reference: Sequence[CellReference]) -> list[dict[str, An
             infinite,
             e.theta_o_deg,
             "the weight has no variance: P(w > W) falls like kappa/(2 W^2), with kappa up to "
-            f"{np.max(tail, initial=0.0):.3g}; the value given is that of this sample and grows with the count",
+            f"{np.max(tail, initial=0.0):.3g}; "
+            + ("no value is given" if e.by_rule else "the value given is that of this sample and grows with the count"),
             tail_strength=finite_or_none(np.where(infinite, tail, np.nan)),
         ),
         _finding(
@@ -168,7 +204,12 @@ def _biased(e: Evidence, statistics: Statistics) -> list[dict[str, Any] | None]:
         np.array([getattr(cell, name) for cell in e.reference]) for name in ("variance", "max_weight", "mean")
     )
     usable = np.isfinite(variance) & np.isfinite(bound)
-    half_width = bernstein_half_width(variance, bound, e.samples, FALSE_ALARM / len(mean))
+    if e.by_rule:
+        half_width = statistics.mean_stderr
+    else:
+        # Replicates of a scrambled net have at most twice the variance of as many independent samples (Owen 1997).
+        spread = 2.0 * variance if e.estimator.method == "qmc" else variance
+        half_width = bernstein_half_width(spread, bound, e.samples, FALSE_ALARM / len(mean))
     rounding = 1e-6 * np.abs(mean)
     off = np.abs(statistics.mean - mean)
     with np.errstate(invalid="ignore"):
@@ -183,6 +224,34 @@ def _biased(e: Evidence, statistics: Statistics) -> list[dict[str, Any] | None]:
             difference=finite_or_none((statistics.mean - mean)[wrong]),
             interval=finite_or_none(half_width[wrong]),
         )
+    ]
+
+
+def _unreached(e: Evidence, statistics: Statistics) -> list[dict[str, Any] | None]:
+    """What the estimator itself says of its numbers: a variance that grew for ever, a tolerance it did not reach."""
+    known_infinite = np.zeros(len(e.theta_o_deg), bool)
+    if e.reference is not None:
+        known_infinite = np.isinf([cell.variance for cell in e.reference])
+    short = e.sums.unreached & ~e.sums.divergent & ~known_infinite
+    with np.errstate(invalid="ignore", divide="ignore"):
+        relative = statistics.variance_stderr / statistics.variance
+    return [
+        _finding(
+            "infinite-variance",
+            e.sums.divergent & ~known_infinite,
+            e.theta_o_deg,
+            f"the variance grew by ever equal steps as {e.samples:,} nodes came closer to a singularity",
+        ),
+        _finding(
+            "imprecise",
+            short,
+            e.theta_o_deg,
+            f"{e.estimator.method} with {e.samples:,} samples does not reach the tolerance {e.estimator.tolerance:g}",
+            tolerance=e.estimator.tolerance,
+            variance_relative_error=finite_or_none(relative[short]),
+        )
+        if e.estimator.tolerance is not None
+        else None,
     ]
 
 

@@ -8,6 +8,7 @@ const uint BLOCK_SAMPLES = 16384u; // 256 a lane: float32 sums stay good to 1e-6
 
 layout(constant_id = 0) const uint MOMENTS = 4u;     // highest power of (weight - shift) that is summed, 0 to 4
 layout(constant_id = 1) const bool WITH_MAX = true;
+layout(constant_id = 2) const bool SCRAMBLED_SOBOL = false; // in place of random numbers; the key scrambles
 
 struct Cell {
     vec4 view;   // wo, and the shift about which powers are summed
@@ -26,6 +27,7 @@ layout(push_constant) uniform Launch {
     uint last_samples;
 };
 
+#include "common/sobol.glsl"
 #include "variant/load_parameters.glsl"
 
 void main() {
@@ -41,7 +43,8 @@ void main() {
     uint drawn = 0u, zero = 0u, nonfinite = 0u, negative = 0u, first_bad = 0xffffffffu;
     uint end = block == last_block ? last_samples : BLOCK_SAMPLES;
     for (uint i = lane; i < end; i += LANES) {
-        DirectionSample s = technique_sample_direction(wo, random_pair(uvec2(i, block), key));
+        vec2 u = SCRAMBLED_SOBOL ? scrambled_sobol_pair(block * BLOCK_SAMPLES + i, key) : random_pair(uvec2(i, block), key);
+        DirectionSample s = technique_sample_direction(wo, u);
         float weight = throughput_weight(s, wo);
         bool bad = is_nonfinite(weight + (s.pdf + (s.wi.x + s.wi.y + s.wi.z)));
         drawn++;

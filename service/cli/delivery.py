@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
+    from service.formats.encoding import Draw
     from service.statistics import Progress
 
 
@@ -48,11 +49,12 @@ class StageLine(ProgressLine):
 
 
 def deliver(
-    compute: Callable[[], dict[str, Any]], format_: str | None, outputs: tuple[str, ...], chart: str = "statistics"
+    compute: Callable[[], dict[str, Any]], format_: str | None, outputs: tuple[str, ...], draw: Draw | None = None
 ) -> None:
     """Write a result to the files asked for, else to stdout. Formats and paths are checked before anything is computed.
 
-    With files in the formats of their suffixes, the table still goes to stdout.
+    With files in the formats of their suffixes, the table still goes to stdout. `draw` makes the chart for pictures, by
+    default that of the result's kind.
     """
     from service import formats
     from service.formats.targets import require_format, target
@@ -60,12 +62,6 @@ def deliver(
     require_format(format_ or "table")
     targets = [target(path, format_) for path in outputs]
     result = compute()
-
-    def draw(result: Any) -> Any:
-        from service import figures
-
-        return getattr(figures, f"{chart}_chart")(result)
-
     for path, name in targets:
         formats.write(result, path, name, draw)
     if format_ is None or not targets:

@@ -40,7 +40,8 @@ def scene_options(command: Command) -> Command:
             click.option("--angles", metavar="N", help="N view angles from 0 to 89.91 degrees. Default: 64."),
             click.option("--theta-o-deg", metavar="A,B,...", help="View angles in degrees, 0 to below 90."),
             click.option("--statistics", metavar="NAME,...", help="Out of mean, variance, max_weight. Default: all."),
-            click.option("--method", metavar="NAME", help="Estimator: mc."),
+            click.option("--method", metavar="NAME", help="Estimator: mc, qmc or quadrature. Default: mc."),
+            click.option("--tolerance", metavar="X", help="Pick method and count for this error of the variance."),
             click.option("--samples", metavar="N", help="Samples for each angle. Default: 1000000."),
             click.option("--seed", metavar="N", help="Seed of the random numbers. Default: 0."),
             click.option("--no-error-bars", is_flag=True, help="Leave standard errors out."),
@@ -61,6 +62,7 @@ def scene_data(
     theta_o_deg: str | None,
     statistics: str | None,
     method: str | None,
+    tolerance: str | None,
     samples: str | None,
     seed: str | None,
     no_error_bars: bool,
@@ -74,7 +76,12 @@ def scene_data(
         view = {"count": integer("angles", angles)}
     elif theta_o_deg is not None:
         view = numbers("theta_o_deg", theta_o_deg)
-    estimator = given(method=method, samples=integer("samples", samples), seed=integer("seed", seed))
+    estimator = given(
+        method=method,
+        tolerance=number("tolerance", tolerance),
+        samples=integer("samples", samples),
+        seed=integer("seed", seed),
+    )
     return given(
         model=model,
         parameters=dict(_setting(text) for text in settings),
@@ -116,6 +123,14 @@ def numbers(field: str, text: str) -> list[float]:
         return [float(part) for part in text.split(",")]
     except ValueError:
         raise BadInput(Problem(field, text, "a number or numbers separated by commas")) from None
+
+
+def number(field: str, text: str | None) -> float | None:
+    """A number; BadInput names the field."""
+    try:
+        return None if text is None else float(text)
+    except ValueError:
+        raise BadInput(Problem(field, text, "a number")) from None
 
 
 def integer(field: str, text: str | None) -> int | None:

@@ -16,7 +16,7 @@ from service.formats.series import Series, read, swept, swept_value
 AnyChart = alt.VConcatChart | alt.HConcatChart
 Datasets = dict[str, list[points.Row]]
 
-_CHARACTERS_A_PANEL = 56
+_CHARACTERS_A_PANEL = 64
 
 _NO_LIMIT = {"variance": "infinite variance", "max_weight": "unbounded weight"}
 
@@ -41,6 +41,11 @@ class Sheet:
     def has(self, statistic: str) -> bool:
         """Return whether any series has `statistic`."""
         return any(one.values(statistic) is not None for one in self.series)
+
+    @property
+    def count(self) -> int:
+        """How many statistics the result has."""
+        return sum(self.has(statistic) for statistic in LOG)
 
     @property
     def techniques(self) -> list[str]:
@@ -89,14 +94,15 @@ class Sheet:
             facts.append(f"seed {estimator['seed']}")
         if (self.result.get("run") or {}).get("device"):
             facts.append(self.result["run"]["device"])
-        width = _CHARACTERS_A_PANEL * max(2, sum(self.has(statistic) for statistic in LOG))
+        width = _CHARACTERS_A_PANEL * max(2, self.count)
         return [*textwrap.wrap(" · ".join(facts), width), *textwrap.wrap(self._key(), width)]
 
     def _key(self) -> str:
         shown = [(one, statistic) for one in self.series for statistic in LOG if one.values(statistic) is not None]
         key = []
         if any(one.values(f"{statistic}_stderr") for one, statistic in shown):
-            key.append("bands: two standard errors")
+            angles = {angle for one in self.series for angle in one.theta_o_deg}
+            key.append(f"{'bars' if len(angles) == 1 else 'bands'}: two standard errors")
         if any(one.reference(statistic) for one, statistic in shown):
             supremum = any(one.reference("max_weight") for one, statistic in shown if statistic == "max_weight")
             key.append("thin: float64 reference" + (" (of the largest weight, its supremum)" if supremum else ""))
@@ -147,13 +153,13 @@ def _labels(sheet: Sheet, one: Series, labels: Mapping[str, str]) -> dict[str, A
 def technique_lines(sheet: Sheet, labels: Mapping[str, str]) -> Lines:
     """Return the lines of a chart whose colours are techniques."""
     styles = style.technique_styles(list(labels))
-    return Lines("technique", None, list(labels.values()), [s[0] for s in styles], [s[1] for s in styles])
+    return Lines("technique", None, list(labels.values()), [s[0] for s in styles], [s[1] for s in styles], sheet.count)
 
 
 def value_lines(sheet: Sheet) -> Lines:
     """Return the lines of a chart whose colours are the values of what is swept, dark to light."""
     labels = list(dict.fromkeys(sheet.values_label(one) for one in sheet.series))
-    return Lines("parameters", None, labels, style.sequence(len(labels)))
+    return Lines("parameters", None, labels, style.sequence(len(labels)), panels=max(2, sheet.count))
 
 
 def with_data(chart: AnyChart, datasets: Datasets) -> AnyChart:

@@ -18,18 +18,23 @@ LOG = {"variance": True, "max_weight": True, "mean": False}
 
 @dataclass(frozen=True)
 class Lines:
-    """What tells the series of a chart apart: a field of the rows with its colours and, optionally, dashes."""
+    """What tells the series of a chart apart: a field of the rows with its colours and, optionally, dashes.
+
+    `panels` is how many panels stand side by side: the room that the legend has.
+    """
 
     field: str
     title: str | None
     labels: Sequence[str]
     colours: Sequence[str]
     dashes: Sequence[style.Dash] | None = None
+    panels: int = 3
 
     def colour(self) -> alt.Color:
         """Return the encoding of colour, with the chart's one legend."""
         scale = alt.Scale(domain=list(self.labels), range=list(self.colours))
-        columns = min(len(self.labels), 3 if max(map(len, self.labels), default=0) > 16 else 8)
+        # A long name takes the width of a panel, a short one a third of it.
+        columns = min(len(self.labels), self.panels * (1 if max(map(len, self.labels)) > 16 else 3))
         return alt.Color(f"{self.field}:N", scale=scale, legend=alt.Legend(title=self.title, columns=columns))
 
     def dash(self) -> dict[str, Any]:

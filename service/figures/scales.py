@@ -12,18 +12,18 @@ THETA_O = "θ\u2092"
 
 _MOST_DECADES = 7
 _LEAST_SPAN = 0.02
+_STEPS = (1, 2, 5)
 
 
 def log_scale(values: Sequence[float]) -> tuple[alt.Scale, alt.Axis]:
     """Return scale and axis of a logarithmic panel that shows all `values` (positive)."""
     low, high = (min(values), max(values)) if values else (0.1, 10.0)
-    steps = (1, 2, 5) if high / low < 50 else (1,) if high / low > 1e3 else (1, 3)
-    domain = [_below(low, steps), _above(high, steps)]
+    domain = [_below(low), _above(high)]
     if domain[0] == domain[1]:
         domain = [domain[0] / 2, domain[1] * 2]
     first, last = math.floor(math.log10(domain[0])), math.ceil(math.log10(domain[1]))
     each = max(1, math.ceil((last - first) / _MOST_DECADES))
-    marks = (1, 2, 5) if domain[1] / domain[0] < 50 else (1,)
+    marks = _STEPS if domain[1] / domain[0] < 50 else (1,)
     ticks = [_decimal(mark, power) for power in range(first, last + 1, each) for mark in marks]
     ticks = [tick for tick in ticks if domain[0] <= tick <= domain[1]]
     scale = alt.Scale(type="log", domain=domain, nice=False)
@@ -58,11 +58,11 @@ def _decimal(mark: int, power: int) -> float:
     return float(f"{mark}e{power}")
 
 
-def _below(value: float, steps: Sequence[int]) -> float:
+def _below(value: float) -> float:
     power = math.floor(math.log10(value))
-    return max(_decimal(s, p) for p in (power - 1, power) for s in steps if _decimal(s, p) <= value)
+    return max(_decimal(s, p) for p in (power - 1, power) for s in _STEPS if _decimal(s, p) <= value)
 
 
-def _above(value: float, steps: Sequence[int]) -> float:
+def _above(value: float) -> float:
     power = math.floor(math.log10(value))
-    return min(_decimal(s, p) for p in (power, power + 1) for s in steps if _decimal(s, p) >= value)
+    return min(_decimal(s, p) for p in (power, power + 1) for s in _STEPS if _decimal(s, p) >= value)

@@ -95,16 +95,25 @@ class Series:
         column = self._column(evidence.get("tail_strength"))
         return column if column is not None and len(column) == len(self.theta_o_deg) else None
 
+    def _held(self, name: str) -> list[bool] | None:
+        """Return at which angles the finding `name` holds by its own evidence; None where that does not list them."""
+        held = ((self.finding(name) or {}).get("evidence") or {}).get("theta_o_deg")
+        return [angle in held for angle in self.theta_o_deg] if isinstance(held, list | tuple) else None
+
     @cached_property
     def infinite_variance(self) -> list[bool]:
         """Angles at which the variance is infinite: the sampled value there has no limit.
 
-        Where the verdict names an infinite variance, it is at the angles whose reference is null or whose tail has a
-        strength; without either, where the standard error is null; without that too, everywhere.
+        Where the verdict names an infinite variance, it is at the angles that the finding lists. A finding that lists
+        none holds where the reference is null or the tail has a strength; without either, where the standard error is
+        null; without that too, everywhere.
         """
         count = len(self.theta_o_deg)
         if self.finding("infinite-variance") is None:
             return [False] * count
+        held = self._held("infinite-variance")
+        if held is not None:
+            return held
         strength, truth = self.tail_strength, self.reference("variance")
         if strength is None and truth is None:
             error = self.values("variance_stderr") or [None] * count
@@ -118,13 +127,15 @@ class Series:
     @cached_property
     def unbounded_weight(self) -> list[bool]:
         """Angles at which the weight has no upper bound: the sampled maximum there has no limit."""
-        found = self.infinite_variance
-        if self.finding("unbounded-weight") is None and not any(found):
-            return found
+        infinite = self.infinite_variance
+        if self.finding("unbounded-weight") is None and not any(infinite):
+            return infinite
         truth = self.reference("max_weight")
         if truth is not None:
             return [value is None for value in truth]
-        return found if self.finding("unbounded-weight") is None else [True] * len(found)
+        if self.finding("unbounded-weight") is None:
+            return infinite
+        return self._held("unbounded-weight") or [True] * len(infinite)
 
     def no_limit(self, statistic: str) -> list[bool]:
         """Return at which angles the sampled `statistic` has no limit, however many samples are drawn."""

@@ -85,7 +85,8 @@ def cells(one: Series, statistic: str) -> list[str]:
         return [f"{value} / {top}" for value, top in zip(sampled, tops, strict=True)]
     errors = one.values(f"{statistic}_stderr") or nothing
     texts = [
-        _cell(value, error, endless)
+        # A mean without error bar is that of a technique without variance; its bias shows in the later digits.
+        plain(value, 6) if statistic == "mean" and value is not None and error is None else _cell(value, error, endless)
         for value, error, endless in zip(values, errors, one.no_limit(statistic), strict=True)
     ]
     return _aligned(texts)

@@ -89,7 +89,8 @@ def run_lines(result: Mapping[str, Any], width: int) -> str:
         "time      " + ", ".join(f"{name} {run[key]:.1f} ms" for name, key in times if run.get(key) is not None),
     ]
     left_out = [f"{entry.get('feature')} ({entry.get('reason')})" for entry in result.get("left_out") or []]
-    lines.append("left out  " + ("; ".join(left_out) or "nothing"))
+    if "left_out" in result:
+        lines.append("left out  " + ("; ".join(left_out) or "nothing"))
     return "\n".join(
         row for line in lines for row in textwrap.wrap(line, width, subsequent_indent=" " * 10, break_long_words=True)
     )

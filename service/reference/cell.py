@@ -61,10 +61,7 @@ def cells_reference(
     model: str, technique: str, parameters: Mapping[str, float], theta_o: Sequence[float], phi_o: float = 0.0
 ) -> list[CellReference] | None:
     """References of the cells at many view angles (radians), in their order; None as in :func:`cell_reference`."""
-    cells = [cell_reference(model, technique, parameters, theta, phi_o) for theta in theta_o]
-    found = [cell for cell in cells if cell is not None]
-    return found if len(found) == len(cells) and _exists(model, technique) else None
-
-
-def _exists(model: str, technique: str) -> bool:
-    return load_model(model) is not None and load_technique(technique) is not None
+    if load_model(model) is None or load_technique(technique) is None:
+        return None
+    cells = (cell_reference(model, technique, parameters, theta, phi_o) for theta in theta_o)
+    return [cell for cell in cells if cell is not None]

@@ -12,6 +12,7 @@ from service.reference.partition import Partition, partition_hemisphere
 COARSE, FINE = 12, 18  # nodes a side of a patch
 GOAL = 1e-10  # difference of the two rules at which refining stops
 MOST_PIECES = 8  # a patch is cut into this many pieces a side at the most
+ROUNDING = 1e-14  # of a weight, with room for the sums
 NEGLIGIBLE = 1e-18  # of the squared mean: a variance below it is made of rounded weights; its error is then absolute
 
 
@@ -105,10 +106,10 @@ def integrate_moments(pair: Pair, finite: bool) -> Moments:
     partition, pieces = pair.partition(), 1
     fine = _integrate(pair, partition, FINE, pieces, finite)
     error = _difference(_integrate(pair, partition, COARSE, pieces, finite), fine)
-    before = np.inf
-    # Where halving the patches no longer helps, rounding is what is left: weights of 1 + 1e-7, say.
-    while error > GOAL and error < 0.9 * before and pieces < MOST_PIECES:
-        pieces, before = 2 * pieces, error
+    # Weights that deviate little from their mean carry few digits of the deviation, which no refining brings back.
+    goal = max(GOAL, ROUNDING * abs(fine["mean"]) / max(fine["variance"], np.finfo(float).tiny) ** 0.5)
+    while error > goal and pieces < MOST_PIECES:
+        pieces *= 2
         coarse, fine = fine, _integrate(pair, partition, FINE, pieces, finite)
         error = _difference(coarse, fine)
     return Moments(**fine, error=error)

@@ -45,9 +45,8 @@ float ltc_density(LtcLobe lobe, vec3 w) {
     return INV_PI * ratio * ratio * max(h.z, 0.0);
 }
 
-// Carries a direction h of the cosine lobe, drawn with density pdf, to the transformed lobe.
-DirectionSample ltc_transform(LtcLobe lobe, vec3 h, float pdf) {
-    vec3 w = vec3(lobe.a * h.x + lobe.b * h.z, lobe.c * h.y, lobe.d * h.x + h.z);
+// The sample that M h, of any length, stands for, where h was drawn from the cosine lobe with density pdf.
+DirectionSample ltc_normalised(LtcLobe lobe, vec3 w, float pdf) {
     float squared = dot(w, w);
     float inverse = inversesqrt(squared);
     return DirectionSample(w * inverse, pdf * squared / (inverse * lobe.determinant));
@@ -58,39 +57,45 @@ DirectionSample ltc_transform(LtcLobe lobe, vec3 h, float pdf) {
 DirectionSample ltc_sample(LtcLobe lobe, vec2 u) {
     float cosine = sqrt(u.x);
     vec2 p = sqrt(1.0 - u.x) * point_on_circle(u.y);
-    return ltc_transform(lobe, vec3(p, cosine), INV_PI * cosine);
+    vec3 w = vec3(lobe.a * p.x + lobe.b * cosine, lobe.c * p.y, lobe.d * p.x + cosine);
+    return ltc_normalised(lobe, w, INV_PI * cosine);
 }
 
 // Clipped LTC (section 3.1): the untransformed direction comes from the part of the cosine hemisphere that maps above
 // the horizon. Its projection is a half disk and, on the side that the sign of d clips, a half ellipse of semi-axis
-// 1/sqrt(1 + d^2); `cltc_area` is the area of both in units of pi.
-float cltc_area(LtcLobe lobe) {
-    return 0.5 + 0.5 * inversesqrt(1.0 + lobe.d * lobe.d);
+// 1/sqrt(1 + d^2). The area of both, in units of pi, is 1 - cltc_clipped.
+float cltc_clipped(LtcLobe lobe) {
+    float squared = lobe.d * lobe.d;
+    float root = sqrt(1.0 + squared);
+    return 0.5 * squared / (root * (root + 1.0));
 }
 
 float cltc_density(LtcLobe lobe, vec3 w) {
-    return w.z > 0.0 ? ltc_density(lobe, w) / cltc_area(lobe) : 0.0;
+    return w.z > 0.0 ? ltc_density(lobe, w) / (1.0 - cltc_clipped(lobe)) : 0.0;
 }
 
-// The disk point (x0, y), x0^2 + y^2 = 1 - u1, is squeezed along x into half disk and half ellipse: x = q (1 - A) + A x0
-// with q^2 = 1 - y^2. The squared cosine q^2 - x^2 of the result is a product of sums of positive terms: nothing cancels,
-// because (q - x0)(q + x0) = u1.
+// The disk point (x0, y), x0^2 + y^2 = 1 - u1, is squeezed along x into half disk (x > 0) and half ellipse (x < 0). Both
+// cosines, of the untransformed direction and of the transformed one, are products that do not cancel at their zeros:
+// with q^2 = 1 - y^2 = x0^2 + u1, (q - x0)(q + x0) = u1 exactly.
 DirectionSample cltc_sample(LtcLobe lobe, vec2 u) {
-    float area = cltc_area(lobe);
+    float clipped = cltc_clipped(lobe);
+    float area = 1.0 - clipped;
     float root = sqrt(1.0 + lobe.d * lobe.d);
-    float clipped = 0.5 * lobe.d * lobe.d / (root * (1.0 + root)); // 1 - area
     vec2 disk = sqrt(1.0 - u.x) * point_on_circle(u.y);
     float q = sqrt(disk.x * disk.x + u.x);
-    float large = q + abs(disk.x);
-    float small = u.x / large;
-    float minus = disk.x > 0.0 ? small : large;
-    float plus = disk.x > 0.0 ? large : small;
-    float cosine = sqrt(area * minus * (2.0 * q * clipped + area * plus));
+    float far = q + abs(disk.x);
+    float near = far > 0.0 ? u.x / far : 0.0;
+    bool inner = disk.x > 0.0;
+    float below = inner ? near : far;  // q - x0
+    float above = inner ? far : near;  // q + x0
     float x = q * clipped + area * disk.x;
-    vec3 h = vec3(lobe.d > 0.0 ? x : -x, disk.y, cosine);
-    DirectionSample s = ltc_transform(lobe, h, INV_PI * cosine / area);
-    s.wi.z = max(s.wi.z, 0.0);
-    return s;
+    float cosine = sqrt(area * below * (2.0 * q * clipped + area * above));
+    float sum = cosine + abs(lobe.d * x);
+    float difference = sum > 0.0 ? 0.5 * (root + 1.0) * above * (q + root * abs(x)) / sum : 0.0;
+    float z = x < 0.0 ? difference : sum; // cosine + |d| x
+    float hx = lobe.d > 0.0 ? x : -x;
+    vec3 w = vec3(lobe.a * hx + lobe.b * cosine, lobe.c * disk.y, z);
+    return ltc_normalised(lobe, w, INV_PI * cosine / area);
 }
 
 #endif

@@ -24,6 +24,10 @@ float uniform_probability(float mu) {
     return tenth_root(roughness) * (0.162925 + mu * (-0.372058 + (0.538233 - 0.290822 * mu) * mu));
 }
 
+float u1_split(vec3 wo) {
+    return uniform_probability(wo.z);
+}
+
 DirectionSample sample_direction(vec3 wo, vec2 u) {
     LtcLobe lobe = eon_lobe(wo.z, roughness);
     vec2 frame = azimuth(wo);

@@ -41,9 +41,9 @@ def compute(engine):
 def probe(engine):
     """Evaluate a model and technique at (u1, u2) or at wi, for one view each: arrays of the probe's outputs."""
 
-    def run(model, technique, wo, *, u=None, wi=None, **parameters):
-        catalogue = engine.catalogue
-        one = Probe(engine, catalogue.model(model), catalogue.technique(technique))
+    def run(model, technique, wo, *, u=None, wi=None, catalogue=None, **parameters):
+        at = engine if catalogue is None else Engine(engine.device, catalogue, engine.cache)
+        one = Probe(at, at.catalogue.model(model), at.catalogue.technique(technique))
         row = [parameters.get(name, parameter.default) for name, parameter in one.declared.items()]
         wo, row = np.asarray(wo, np.float32), np.array([row], np.float32)
         found = one.draw(wo, u, row) if wi is None else one.evaluate(wo, wi, row)

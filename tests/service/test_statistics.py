@@ -5,12 +5,13 @@ bounds below allow what a correct sampler passes with a probability of at least 
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from service import sampling
-from service.catalogue import SHADERS, load_catalogue
+from service.catalogue import SHADERS, load_catalogue, read_entry
 from service.verdict import bernstein_half_width
 
 CONVERGENT = ["cosine", "uniform", "ltc-nonnegative", "cltc-mis"]
@@ -116,6 +117,13 @@ def test_at_roughness_0_every_technique_but_uniform_weighs_one(compute):
         assert np.all(column(series, "variance") < 1e-12)
         assert np.allclose(column(series, "max_weight"), 1, rtol=0 if technique == "cosine" else 1.5e-6, atol=0)
         assert series["verdict"]["status"] == "ok"
+
+
+@pytest.mark.parametrize("roughness", [0, 1e-3, 1])
+def test_a_clipped_lobe_loses_no_sample(compute, roughness):
+    """Not one of 128 million directions rounds to the horizon or to density zero."""
+    for series in compute(techniques=["cltc", "cltc-mis"], parameters={"roughness": roughness})["series"]:
+        assert series["zero_fraction"] == [0.0] * 64
 
 
 def test_albedo_0_reflects_nothing(compute):
@@ -249,6 +257,12 @@ def with_replaced(kind, name, old, new):
     return text.replace(old, new)
 
 
+def planted(path):
+    """The catalogue with one entry replaced, as if the catalogue itself were wrong: its own truth still judges it."""
+    catalogue, entry = load_catalogue(), read_entry(path.read_text(), str(path))
+    return replace(catalogue, techniques={**catalogue.techniques, entry.name: entry})
+
+
 @pytest.mark.parametrize(
     ("technique", "old", "new", "finding"),
     [
@@ -268,10 +282,28 @@ def with_replaced(kind, name, old, new):
 def test_a_planted_bug_is_found(compute, tmp_path, technique, old, new, finding):
     path = tmp_path / "broken.glsl"
     path.write_text(with_replaced("techniques", technique, old, new))
-    (series,) = compute(catalogue=load_catalogue().with_file(path), techniques=technique, theta_o_deg=[0, 45, 85])[
+    (series,) = compute(catalogue=planted(path), techniques=technique, theta_o_deg=[0, 45, 85])[
         "series"
     ]
     assert series["verdict"]["status"] == finding
+
+
+def test_the_uniform_lobe_of_the_listing_biases_the_mixture(compute, tmp_path):
+    """Listing 4 of the EON paper takes the radius u1, so the cosine sqrt(1 - u1^2): the mean is then 1.019 at grazing.
+
+    The standard error of a mean of 4 million weights is 1e-4.
+    """
+    path = tmp_path / "listing.glsl"
+    cosine = "sqrt((1.0 - u.x / probability) * (1.0 + u.x / probability))"
+    path.write_text(with_replaced("techniques", "cltc-mis", "vec2(u.x / probability, u.y)", f"vec2({cosine}, u.y)"))
+    (series,) = compute(
+        catalogue=planted(path),
+        techniques="cltc-mis",
+        theta_o_deg=[0, 45, 80, 89.9],
+        estimator={"samples": 4_000_000},
+    )["series"]
+    assert series["mean"] == pytest.approx([1.0028, 1.0079, 1.0151, 1.0192], abs=5e-4)
+    assert series["verdict"]["status"] == "biased"
 
 
 def test_a_nonfinite_sample_can_be_replayed(compute, tmp_path, engine):
@@ -282,7 +314,7 @@ def test_a_nonfinite_sample_can_be_replayed(compute, tmp_path, engine):
         "return DirectionSample(cosine_hemisphere(u).wi, INV_PI * sqrt(u.x) * hole / hole);"
     )
     path.write_text(with_replaced("techniques", "cosine", "return cosine_hemisphere(u);", bug))
-    catalogue = load_catalogue().with_file(path)
+    catalogue = planted(path)
     (series,) = compute(catalogue=catalogue, techniques="cosine", theta_o_deg=[45], estimator={"samples": 100_000})[
         "series"
     ]

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
 import click
 
-from service.cli.commands.stats import statistics_of
-from service.cli.delivery import deliver
+from service.cli.delivery import ProgressLine, deliver
 from service.cli.options import given, integer, output_options
+
+if TYPE_CHECKING:
+    from service.figures import AnyChart
 
 
 @click.command()
@@ -22,9 +27,26 @@ def figure(
     outputs: tuple[str, ...],
     device: str | None,
 ) -> None:
-    """A figure of a paper, by name: eon-11, eon-13."""
-    from service.papers import figure_scene, paper_figure
+    """A figure or table of a paper, by name: eon-11, eon-13, eon-convergence, eon-table-1."""
+    from service.papers import compute_figure, figure_scene, paper_figure
 
     paper = paper_figure(name)
     scene = figure_scene(paper, **given(samples=integer("samples", samples), seed=integer("seed", seed)))
-    deliver(lambda: statistics_of(scene, device), format_, outputs, chart=paper.chart)
+
+    def draw(result: Mapping[str, Any]) -> AnyChart:
+        from service import figures
+
+        charts = {
+            "statistics": figures.statistics_chart,
+            "roughness": figures.roughness_chart,
+            "convergence": figures.convergence_chart,
+        }
+        return charts[paper.chart](result, paper.title)
+
+    def compute() -> dict[str, Any]:
+        from service.engine import Engine
+
+        with Engine.open(device=device) as engine, ProgressLine() as progress:
+            return compute_figure(paper, scene, engine, progress)
+
+    deliver(compute, format_, outputs, None if paper.chart == "timings" else draw)

@@ -67,6 +67,35 @@ def test_eon_at_albedo_one_reflects_everything() -> None:
         np.testing.assert_allclose(model("eon").directional_albedo(mu, {"roughness": roughness}), 1.0, rtol=4e-16)
 
 
+@pytest.mark.parametrize("name", ["fon", "eon", "eon-approx"])
+def test_values_are_the_printed_ones_in_polar_angles(name: str) -> None:
+    rng = np.random.default_rng(12)
+    theta_i, theta_o = rng.uniform(0.05, 1.5, (2, 500))
+    between, phi_o, roughness, albedo = rng.uniform(0, 2 * np.pi, 500), 0.7, 0.8, 0.6
+    wi, wo = (
+        np.stack([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)], axis=-1)
+        for t, p in ((theta_i, phi_o + between), (theta_o, np.full(500, phi_o)))
+    )
+    # Eq. 7 to 19 as printed; s/t = cos(phi) sin(larger) tan(smaller) where cos(phi) > 0.
+    larger, smaller = np.maximum(theta_i, theta_o), np.minimum(theta_i, theta_o)
+    toward = np.where(np.cos(between) > 0, np.tan(smaller), np.sin(smaller)) * np.sin(larger) * np.cos(between)
+    peak = 1 / (1 + (0.5 - 2 / (3 * np.pi)) * roughness)
+    average = peak * (1 + (2 / 3 - 28 / (15 * np.pi)) * roughness)
+
+    def single(theta: Array) -> Array:
+        sine, cosine, x = np.sin(theta), np.cos(theta), 1 - np.cos(theta)
+        printed = (sine * (theta - sine * cosine) + 2 / 3 * (sine / cosine * (1 - sine**3) - sine)) / np.pi
+        fitted = 0.0571085289 * x + 0.491881867 * x**2 - 0.332181442 * x**3 + 0.0714429953 * x**4
+        return np.asarray(peak * (1 + roughness * (fitted if name == "eon-approx" else printed)))
+
+    colour = albedo**2 * average / (1 - albedo * (1 - average)) / np.pi
+    several = colour * (1 - single(theta_i)) * (1 - single(theta_o)) / (1 - average)
+    expected = albedo / np.pi * peak * (1 + roughness * toward) + (several if name != "fon" else 0.0)
+    found = model(name).brdf(wi, wo, {"roughness": roughness, "albedo": albedo})
+    # The printed 1 - E cancels to a few 1e-16.
+    np.testing.assert_allclose(found, expected, rtol=1e-13)
+
+
 def test_missing_albedo_is_the_printed_form() -> None:
     theta = np.linspace(0.05, 1.5, 100)
     mu, sine = np.cos(theta), np.sin(theta)

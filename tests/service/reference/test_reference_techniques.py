@@ -41,6 +41,31 @@ def test_density_integrates_to_one(name: str) -> None:
 
 
 @pytest.mark.parametrize("theta", ANGLES)
+def test_lobe_density_is_the_transformed_cosine_of_the_inverse_matrix(theta: float) -> None:
+    wo, roughness = view(theta), 0.7
+    mu = float(wo[2])
+    r = roughness
+    # Listing 2 as printed.
+    a = 1 + r * (0.303392 + (-0.518982 + 0.111709 * mu) * mu + (-0.276266 + 0.335918 * mu) * r)
+    b = r * (-1.16407 + 1.15859 * mu + (0.150815 - 0.150105 * mu) * r) / (mu * mu * mu - 1.43545)
+    c = 1 + (0.20013 + (-0.506373 + 0.261777 * mu) * mu) * r
+    d = ((0.540852 + (-1.01625 + 0.475392 * mu) * mu) * r) / (-1.0743 + mu * (0.0725628 + mu))
+    inverse = np.linalg.inv(np.array([[a, 0, b], [0, c, 0], [d, 0, 1]]))
+    rng = np.random.default_rng(13)
+    wi = rng.normal(size=(500, 3))
+    wi /= np.linalg.norm(wi, axis=-1, keepdims=True)
+    back = wi @ inverse.T
+    length = np.linalg.norm(back, axis=-1)
+    expected = np.maximum(back[:, 2] / length, 0) / np.pi * np.linalg.det(inverse) / length**3  # eq. 23, 24
+    found = technique("ltc").density(wo, wi, {"roughness": roughness})
+    # The printed d loses ten digits near the normal, where it is of order 1e-3.
+    np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-13)
+    share = 0.5 + 0.5 / math.hypot(1, d)  # eq. 28
+    clipped = technique("cltc").density(wo, wi, {"roughness": roughness})
+    np.testing.assert_allclose(clipped, np.where(wi[:, 2] > 0, expected / share, 0), rtol=1e-12, atol=1e-13)
+
+
+@pytest.mark.parametrize("theta", ANGLES)
 @pytest.mark.parametrize("name", ONE_BRANCH)
 def test_density_is_one_over_the_jacobian_of_the_sampler(name: str, theta: float) -> None:
     rng = np.random.default_rng(7)
@@ -76,6 +101,17 @@ def test_sampler_and_density_have_the_same_averages(name: str, theta: float) -> 
         assert float(np.mean(np.where(above, probe(drawn), 0.0))) == pytest.approx(expected, abs=5e-4)
     if technique(name).below_horizon(wo, parameters) == 0.0:
         assert np.all(above)
+
+
+@pytest.mark.parametrize("theta", [0.0, 0.3, 0.7754, 0.7756, 10.0, 89.9])
+def test_clipped_lobe_ends_at_the_horizon_for_either_sign_of_d(theta: float) -> None:
+    u2 = np.linspace(0, 1, 1000, endpoint=False)
+    drawn, _ = technique("cltc").sample(view(theta), np.full(1000, 1 - 1e-14), u2, {"roughness": 1.0})
+    # The rim of the squeezed disk is half horizon, half edge of the lobe; 1e-14 of the disk is sqrt(1e-14) in height.
+    assert drawn[:, 2].min() == pytest.approx(0.0, abs=3e-7)
+    unclipped, _ = technique("ltc").sample(view(theta), np.full(1000, 1 - 1e-14), u2, {"roughness": 1.0})
+    if abs(theta - 0.7755) > 0.01:
+        assert unclipped[:, 2].min() < -1e-3
 
 
 @pytest.mark.parametrize("name", ["ltc-nonnegative", "ltc", "cltc", "cltc-mis"])

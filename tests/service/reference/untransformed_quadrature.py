@@ -8,6 +8,7 @@ not care how an integrand behaves at the ends of an interval.
 
 import itertools
 from collections.abc import Mapping
+from functools import lru_cache
 
 import numpy as np
 
@@ -34,15 +35,22 @@ def matrix(technique: str, wo: Array, parameters: Mapping[str, float]) -> Lobe:
     return eon_lobe(wo, parameters["roughness"], shear_z=technique != "ltc-nonnegative")
 
 
-def moments(model: str, technique: str, parameters: Mapping[str, float], theta_o: float) -> dict[str, float]:
-    """Mean, variance, fourth central moment and uncovered part; the last moments only mean something where finite."""
+@lru_cache(maxsize=2)
+def lobe_rule(technique: str, roughness: float, theta_o: float) -> tuple[Array, Array, Array, Array]:
+    """View, directions, solid angles and probabilities, which all models share."""
     wo = np.array([np.sin(theta_o), 0.0, np.cos(theta_o)])
-    wi, solid_angle = nodes(matrix(technique, wo, parameters), wo)
-    the_model, the_technique = load_model(model), load_technique(technique)
-    assert the_model is not None
+    wi, solid_angle = nodes(matrix(technique, wo, {"roughness": roughness}), wo)
+    the_technique = load_technique(technique)
     assert the_technique is not None
-    reflected = the_model.brdf(wi, wo, parameters) * wi[:, 2] * solid_angle
-    mass = the_technique.density(wo, wi, parameters) * solid_angle
+    return wo, wi, solid_angle, the_technique.density(wo, wi, {"roughness": roughness}) * solid_angle
+
+
+def moments(model: str, technique: str, roughness: float, theta_o: float) -> dict[str, float]:
+    """Mean, variance, fourth central moment and uncovered part; the last moments only mean something where finite."""
+    wo, wi, solid_angle, mass = lobe_rule(technique, roughness, theta_o)
+    the_model = load_model(model)
+    assert the_model is not None
+    reflected = the_model.brdf(wi, wo, {"roughness": roughness}) * wi[:, 2] * solid_angle
     covered = mass > 0
     mean = float(np.sum(reflected[covered]))
     deviation = reflected[covered] / mass[covered] - mean
@@ -80,4 +88,5 @@ def nodes(lobe: Lobe, wo: Array) -> tuple[Array, Array]:
             area = 2 * np.cos(psi) * (ceiling - bottom) * w * (high - low) * w[:, None]
             keep = (area > 0) & (vector[..., 2] > 0)
             parts.append(((vector / length[..., None])[keep], (area * c * (a - b * d) / length**3)[keep]))
-    return np.concatenate([p[0] for p in parts]), np.concatenate([p[1] for p in parts])
+    # Contiguous components, as everything after this is arithmetic on them.
+    return np.asfortranarray(np.concatenate([p[0] for p in parts])), np.concatenate([p[1] for p in parts])

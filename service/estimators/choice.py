@@ -1,0 +1,89 @@
+"""Which estimator answers a series, and with which count: as asked for, or as the tolerance needs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from service.engine import Engine
+from service.estimators.estimate import Estimate
+from service.estimators.quadrature import LEAST_VARIANCE, quadrature
+from service.estimators.sampled import REPLICATES, Advance, monte_carlo, quasi_monte_carlo
+from service.reference import CellReference
+from service.sampling import Cells
+from service.scene import Estimator, Scene, SeriesPlan
+
+FIRST_SAMPLES = 1 << 16
+MOST_SAMPLES = 1 << 26
+"""Samples for each angle that a tolerance may lead to: seconds an angle on two cores."""
+CONFIDENCE = 2.0
+"""A sampled statistic has reached the tolerance when so many of its standard errors are below it."""
+ATTEMPTS = 4
+
+Draw = Callable[[Estimator], Estimate]
+
+
+def estimate(
+    plan: SeriesPlan,
+    scene: Scene,
+    engine: Engine,
+    cells: Cells,
+    reference: Sequence[CellReference] | None,
+    moments: int,
+    advance: Advance = lambda done: None,
+) -> Estimate:
+    """The statistics of one series by the estimator of the scene, or by the one that reaches its tolerance first.
+
+    A tolerance without a method is tried with the quadrature, which needs the least; a series that it cannot resolve
+    within its budget is sampled by `qmc`, with as many points as its own error bars ask for.
+    """
+    asked = scene.estimator
+    with_max = "max_weight" in scene.statistics
+    wanted = "variance" in scene.statistics
+    finite = np.ones(len(cells), bool)
+    if reference is not None:
+        finite = np.isfinite([cell.variance for cell in reference])
+
+    def drawn(method: str) -> Draw:
+        if method == "mc":
+            return lambda one: monte_carlo(plan, engine, cells, one, moments, with_max, advance)
+        return lambda one: quasi_monte_carlo(plan, engine, cells, scene.angles_deg, one, moments, with_max, advance)
+
+    if asked.method in ("mc", "qmc"):
+        draw = drawn(asked.method)
+        return draw(asked) if asked.tolerance is None else _sampled_to(draw, asked, finite, wanted)
+    by_rule = quadrature(plan, engine, cells, asked, finite, wanted)
+    if asked.method == "quadrature" or not np.any(by_rule.unreached & ~by_rule.divergent):
+        return by_rule
+    by_samples = _sampled_to(drawn("qmc"), asked, finite & ~by_rule.divergent, wanted)
+    return replace(by_samples, device_ns=by_samples.device_ns + by_rule.device_ns)
+
+
+def _sampled_to(draw: Draw, asked: Estimator, finite: NDArray[np.bool_], wanted: bool) -> Estimate:
+    """Draw more and more until the error bars say that the tolerance is reached, or the count would be too large."""
+    tolerance, samples, spent = asked.tolerance or 0.0, FIRST_SAMPLES, 0
+    for _ in range(ATTEMPTS):
+        found = draw(asked.model_copy(update={"samples": samples}))
+        spent += found.device_ns
+        excess = np.where(finite, _stated_error(found, wanted), 0.0) / tolerance
+        worst = float(np.max(np.nan_to_num(excess, nan=np.inf), initial=0.0))
+        if worst <= 1.0 or found.estimator.samples >= MOST_SAMPLES:
+            break
+        # Half an order is what any estimator has; a steeper one only ends earlier.
+        needed = found.estimator.samples * min(worst, 1e6) ** 2 * 1.1
+        samples = min(MOST_SAMPLES, REPLICATES << math.ceil(math.log2(needed / REPLICATES)))
+    return replace(found, unreached=excess > 1.0, device_ns=spent)
+
+
+def _stated_error(found: Estimate, wanted: bool) -> NDArray[np.float64]:
+    """The error that an estimate states for itself, relative to the variance or, where that is not asked, the mean."""
+    if found.statistics is None:
+        return np.zeros(len(found.largest))
+    s = found.statistics
+    if wanted:
+        return np.asarray(CONFIDENCE * s.variance_stderr / np.maximum(s.variance, LEAST_VARIANCE))
+    return np.asarray(CONFIDENCE * s.mean_stderr / np.maximum(np.abs(s.mean), LEAST_VARIANCE))

@@ -1,0 +1,160 @@
+"""The estimators that draw samples: `mc` with random numbers, `qmc` with replicates of a scrambled Sobol' sequence."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from service.engine import Engine
+from service.estimators.estimate import Estimate
+from service.moments import Statistics, from_power_sums
+from service.random_numbers import random_pairs, replicate_key, scrambled_sobol_pairs
+from service.sampling import Cells, CellSums, Sampler
+from service.scene import Estimator, SeriesPlan
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+Advance = Callable[[int], None]
+REPLICATES = 16
+"""Independent scramblings of `qmc`: their spread gives the error bars, with 15 degrees of freedom."""
+
+
+@contextmanager
+def open_sampler(
+    plan: SeriesPlan, engine: Engine, cells: Cells, moments: int, with_max: bool, sobol: bool
+) -> Iterator[tuple[Sampler, float]]:
+    """A warm sampler for the cells of a series, and the milliseconds that building it took."""
+    begin = time.perf_counter()
+    pipeline = engine.pipeline(plan.model, plan.technique, "statistics", {0: moments, 1: with_max, 2: sobol})
+    with Sampler(engine.device, pipeline, cells) as sampler:
+        sampler.warm_up()
+        yield sampler, 1e3 * (time.perf_counter() - begin)
+
+
+def replicated(cells: Cells, replicates: Sequence[tuple[int, int]]) -> Cells:
+    """The cells again and again: all of them with the first keys of `replicates`, and so on; keys in cell order."""
+    times = len(replicates) // len(cells)
+    return Cells(np.tile(cells.wo, (times, 1)), np.array(replicates, np.uint32), np.tile(cells.parameters, (times, 1)))
+
+
+def monte_carlo(
+    plan: SeriesPlan,
+    engine: Engine,
+    cells: Cells,
+    estimator: Estimator,
+    moments: int,
+    with_max: bool,
+    advance: Advance = lambda done: None,
+) -> Estimate:
+    """Independent samples; the error bars are theirs."""
+    with open_sampler(plan, engine, cells, moments, with_max, sobol=False) as (sampler, built_ms):
+        sums = sampler.run(estimator.samples, advance)
+    bad = [
+        (index, random_pairs(_key(cells, at), np.array([index], np.uint64))[0]) if index >= 0 else None
+        for at, index in enumerate(sums.first_bad.tolist())
+    ]
+    return Estimate(
+        estimator=estimator.model_copy(update={"method": "mc"}),
+        statistics=from_power_sums(sums.counted, sums.shift, sums.powers, moments) if moments else None,
+        zero_fraction=sums.zero / sums.drawn,
+        largest=sums.largest,
+        nonfinite=sums.nonfinite,
+        negative=sums.negative,
+        bad_inputs=bad,
+        unreached=np.zeros(len(cells), bool),
+        divergent=np.zeros(len(cells), bool),
+        evaluations=int(sums.drawn.sum()),
+        device_ns=sums.device_ns,
+        built_ms=built_ms,
+    )
+
+
+def quasi_monte_carlo(
+    plan: SeriesPlan,
+    engine: Engine,
+    cells: Cells,
+    angles_deg: Sequence[float],
+    estimator: Estimator,
+    moments: int,
+    with_max: bool,
+    advance: Advance = lambda done: None,
+) -> Estimate:
+    """Replicates of a scrambled sequence, each of a power of two of points; the error bars are their spread."""
+    points = points_for(estimator.samples)
+    keys = [replicate_key(estimator.seed, r, angle) for r in range(REPLICATES) for angle in angles_deg]
+    many = replicated(cells, keys)
+    with open_sampler(plan, engine, many, moments, with_max, sobol=True) as (sampler, built_ms):
+        sums = sampler.run(points, advance)
+    by_replicate = (REPLICATES, len(cells))
+    first_bad = sums.first_bad.reshape(by_replicate)
+    bad: list[tuple[int, NDArray[np.float32]] | None] = []
+    for at in range(len(cells)):
+        held = np.flatnonzero(first_bad[:, at] >= 0)
+        if not len(held):
+            bad.append(None)
+            continue
+        index = int(first_bad[held[0], at])
+        key = _key(many, int(held[0]) * len(cells) + at)
+        bad.append((index, scrambled_sobol_pairs(key, np.array([index], np.uint64))[0]))
+    return Estimate(
+        estimator=estimator.model_copy(update={"method": "qmc", "samples": points * REPLICATES}),
+        statistics=_pooled(sums, by_replicate, moments) if moments else None,
+        zero_fraction=(sums.zero / sums.drawn).reshape(by_replicate).mean(axis=0),
+        largest=sums.largest.reshape(by_replicate).max(axis=0),
+        nonfinite=sums.nonfinite.reshape(by_replicate).sum(axis=0),
+        negative=sums.negative.reshape(by_replicate).sum(axis=0),
+        bad_inputs=bad,
+        unreached=np.zeros(len(cells), bool),
+        divergent=np.zeros(len(cells), bool),
+        evaluations=int(sums.drawn.sum()),
+        device_ns=sums.device_ns,
+        built_ms=built_ms,
+    )
+
+
+def points_for(samples: int) -> int:
+    """Points of each replicate for about this many samples in all: the power of two that gives no fewer."""
+    return 1 << max(0, math.ceil(math.log2(samples / REPLICATES))) if samples > REPLICATES else 1
+
+
+def _pooled(sums: CellSums, shape: tuple[int, int], moments: int) -> Statistics:
+    """Statistics over replicates of shape (replicates, cells).
+
+    The variance is the mean square about the mean of all, plus the square of that mean's standard error, which is what
+    it lacks on average. What needs a power above `moments` is NaN.
+    """
+    replicates = shape[0]
+    n = np.maximum(sums.counted, 1).astype(np.float64)
+    a, b, c, d = (row.reshape(shape) for row in sums.powers / n)
+    means = sums.shift.reshape(shape) + a
+    mean = means.mean(axis=0)
+    offset = means - mean
+    second = np.maximum(b - a * a, 0.0)
+    squares = second + offset * offset
+    third = c - 3 * a * b + 2 * a**3
+    fourth = np.maximum(d - 4 * a * c + 6 * a * a * b - 3 * a**4, 0.0)
+    central4 = (fourth + 4 * third * offset + 6 * second * offset**2 + offset**4).mean(axis=0)
+    mean_stderr = means.std(axis=0, ddof=1) / math.sqrt(replicates)
+    variance = squares.mean(axis=0) + mean_stderr**2
+    unknown = np.full(shape[1], np.nan)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        kurtosis = np.where(variance > 0, central4 / variance**2, 1.0)
+    return Statistics(
+        mean=mean,
+        mean_stderr=mean_stderr,
+        variance=variance if moments >= 2 else unknown,
+        variance_stderr=squares.std(axis=0, ddof=1) / math.sqrt(replicates) if moments >= 2 else unknown,
+        kurtosis=kurtosis if moments >= 4 else unknown,
+    )
+
+
+def _key(cells: Cells, at: int) -> tuple[int, int]:
+    low, high = cells.keys[at].tolist()
+    return low, high
