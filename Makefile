@@ -5,7 +5,7 @@ OUT := out
 COMPILE := $(BIN)/uv pip compile --quiet --upgrade --generate-hashes --python-version 3.11 --custom-compile-command 'make lock'
 
 .DEFAULT_GOAL := help
-.PHONY: help setup stats figures test lint container container-test lock clean
+.PHONY: help setup stats figures test lint bench-http container container-test lock clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 12
@@ -36,6 +36,10 @@ lint: setup  ## style and types
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+bench-http: setup  ## load on the HTTP service, and thousands of generated requests; minutes
+	$(BIN)/python -m tests.benchmarks.http_load
+	SAMPLERSCOPE_TEST_CASES=300 $(BIN)/pytest -s --timeout 1800 tests/service/api/test_openapi.py
 
 container:  ## build the image, with docker or else with buildah
 	.ci/container

@@ -23,6 +23,7 @@ class Engine:
         self.catalogue = catalogue
         self.cache = cache
         self._pipelines: dict[tuple[object, ...], Pipeline] = {}
+        self._warm: set[Pipeline] = set()
 
     @classmethod
     def open(cls, catalogue: Catalogue | None = None, *, device: str | None = None) -> Engine:
@@ -40,6 +41,7 @@ class Engine:
     def close(self) -> None:
         """Free pipelines and device."""
         self._pipelines.clear()
+        self._warm.clear()
         self.device.close()
 
     def pipeline(
@@ -64,3 +66,9 @@ class Engine:
                 name=variant.name,
             )
         return self._pipelines[key]
+
+    def first_use(self, pipeline: Pipeline) -> bool:
+        """Whether this pipeline was not asked for before: the driver compiles at the first dispatch."""
+        first = pipeline not in self._warm
+        self._warm.add(pipeline)
+        return first

@@ -1,6 +1,6 @@
 """From sums of powers to statistics with error bars.
 
-The device sums powers of (weight - shift), where the shift is the median of the cell's first weights. A median lies
+The device sums powers of (weight - shift), where the shift is a median of the cell's first weights. A median lies
 within one standard deviation of the mean, so moving the moments to the mean cancels at most about one bit, and a
 technique with zero variance reports zero rather than rounding.
 """

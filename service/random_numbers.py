@@ -26,14 +26,17 @@ def cell_key(seed: int, theta_o_deg: float, phi_o_deg: float = 0.0) -> tuple[int
 
 
 def random_pairs(key: tuple[int, int], indices: NDArray[np.uint64]) -> NDArray[np.float32]:
-    """(u1, u2) of sample indices, shape (n, 2), bit for bit those of the shader."""
+    """(u1, u2) of sample indices, shape (n, 2), bit for bit those of the shader. Two samples share a hash."""
     counters = np.empty((4, len(indices)), np.uint32)
-    counters[0] = indices % BLOCK_SAMPLES
+    counters[0] = indices % BLOCK_SAMPLES // 2
     counters[1] = indices // BLOCK_SAMPLES
     counters[2], counters[3] = key
-    bits = (pcg4d(counters) >> np.uint32(8)).astype(np.float32)
-    u1 = bits[0] * np.float32(2.0**-24) + bits[1] * np.float32(2.0**-48)
-    return np.stack([np.minimum(u1, np.float32(1 - 2.0**-24)), bits[2] * np.float32(2.0**-24)], axis=1)
+    bits = pcg4d(counters)
+    a, b = np.where(indices % 2 == 0, bits[:2], bits[2:])
+    low = ((a & np.uint32(255)) << np.uint32(8) | b & np.uint32(255)).astype(np.float32)
+    u1 = (a >> np.uint32(8)).astype(np.float32) * np.float32(2.0**-24) + low * np.float32(2.0**-40)
+    u2 = (b >> np.uint32(8)).astype(np.float32) * np.float32(2.0**-24)
+    return np.stack([np.minimum(u1, np.float32(1 - 2.0**-24)), u2], axis=1)
 
 
 def replicate_key(seed: int, replicate: int, theta_o_deg: float, phi_o_deg: float = 0.0) -> tuple[int, int]:

@@ -13,10 +13,10 @@ from dataclasses import astuple, fields
 from functools import cache
 from pathlib import Path
 
-from lavapipe import Cache
+from lavapipe import Cache, default_cache
 from service import reference
 from service.reference import CellReference
-from service.scene import radians
+from service.scene import Question, radians
 
 _FIELDS = len(fields(CellReference))
 
@@ -38,6 +38,18 @@ def series_reference(
         store.put_many(packed)
         known |= packed
     return [CellReference(*struct.unpack(f"<{_FIELDS}d", known[key])) for key in keys]
+
+
+def missing_references(question: Question, store: Cache | None = None) -> int:
+    """How many cells of a question have a reference that is not stored yet, and takes milliseconds to compute."""
+    store = default_cache() if store is None else store
+    keys = {
+        _key(plan.model.name, plan.technique.name, plan.parameters, angle)
+        for plan in question.series
+        if reference.load_model(plan.model.name) and reference.load_technique(plan.technique.name)
+        for angle in question.scene.angles_deg
+    }
+    return len(keys) - len(store.get_many(keys))
 
 
 def _key(model: str, technique: str, parameters: Mapping[str, float], angle: float) -> str:

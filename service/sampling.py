@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ from service.errors import SamplerscopeError
 from service.random_numbers import BLOCK_SAMPLES
 
 LANES = 64
-PILOT_SAMPLES = 64
+PILOT_SAMPLES = 2 * LANES
 LAUNCH_BLOCKS = 256  # 4 M samples: tens of milliseconds, so that progress and cancelling are prompt
 LAUNCHES_IN_FLIGHT = 2  # the host adds one launch while the device draws the next
 TIMEOUT_S = 600.0
@@ -67,6 +67,24 @@ class CellSums:
 
 
 @dataclass(frozen=True)
+class Checkpoint:
+    """A run after its first `launches` launches: what they found. A run that starts from it ends with the same bits."""
+
+    launches: int
+    sums: CellSums
+
+
+class Journal(Protocol):
+    """Where the runs of one series, which come in a fixed order, keep how far they are."""
+
+    def begin(self) -> Checkpoint | None:
+        """Called by each run at its start: its last checkpoint, or None where it is new."""
+
+    def save(self, checkpoint: Checkpoint) -> None:
+        """Called after every launch. The sums change when this has returned. May raise, which ends the run."""
+
+
+@dataclass(frozen=True)
 class _Launch:
     first_cell: int
     cells: int
@@ -107,9 +125,21 @@ class Sampler:
         """Draw once, so that the driver compiles before anything is timed."""
         self._submit(_Launch(0, 1, 0, 1), 1, self._outputs[0]).wait(TIMEOUT_S)
 
-    def run(self, samples: int, progress: Callable[[int], None] = lambda done: None) -> CellSums:
-        """Draw `samples` samples for every cell. `progress` is called with the number just finished."""
-        return self.run_prefixes([samples], progress)[0]
+    def run(
+        self, samples: int, progress: Callable[[int], None] = lambda done: None, journal: Journal | None = None
+    ) -> CellSums:
+        """Draw `samples` samples for every cell. `progress` is called with the number just finished.
+
+        With a `journal` the run goes on from its checkpoint. Both may raise, which ends the run.
+        """
+        start = journal.begin() if journal is not None else None
+        if start is None:
+            start = Checkpoint(0, _empty_sums(self._pilot(min(samples, PILOT_SAMPLES))))
+        else:
+            progress(int(start.sums.drawn.sum()))
+        self._cells.array["shift"] = start.sums.shift
+        self._extend(start, 0, samples, progress, journal)
+        return _complete(start.sums, samples)
 
     def run_prefixes(
         self, counts: Sequence[int], progress: Callable[[int], None] = lambda done: None
@@ -122,33 +152,55 @@ class Sampler:
         for count in counts:
             if drawn % BLOCK_SAMPLES:
                 total, drawn = _empty_sums(shift), 0
-            self._extend(total, drawn // BLOCK_SAMPLES, count, progress)
-            if np.any(total.drawn != count):
-                raise IncompleteRun(f"the driver ended a loop after {total.drawn.min()} of {count} samples")
+            self._extend(Checkpoint(0, total), drawn // BLOCK_SAMPLES, count, progress, None)
             drawn = count
-            found.append(deepcopy(total))
+            found.append(deepcopy(_complete(total, count)))
         return found
 
-    def _extend(self, total: CellSums, first_block: int, samples: int, progress: Callable[[int], None]) -> None:
-        """Add the blocks from `first_block` on, up to `samples` samples in all."""
+    def _extend(
+        self,
+        start: Checkpoint,
+        first_block: int,
+        samples: int,
+        progress: Callable[[int], None],
+        journal: Journal | None,
+    ) -> None:
+        """Add the blocks from `first_block` on, up to `samples` samples in all, but those of launches done already."""
+        added = start.launches
         pending: deque[tuple[_Launch, Submission, tuple[Buffer, Buffer]]] = deque()
-        for number, launch in enumerate(_launches(self._count, first_block, samples)):
-            if len(pending) == LAUNCHES_IN_FLIGHT:
-                progress(_add(total, *pending.popleft()))
-            outputs = self._outputs[number % LAUNCHES_IN_FLIGHT]
-            pending.append((launch, self._submit(launch, samples, outputs), outputs))
-        while pending:
-            progress(_add(total, *pending.popleft()))
+
+        def add_oldest() -> None:
+            nonlocal added
+            drawn = _add(start.sums, *pending.popleft())
+            added += 1
+            if journal is not None:
+                journal.save(Checkpoint(added, start.sums))
+            progress(drawn)
+
+        try:
+            for number, launch in enumerate(_launches(self._count, first_block, samples)):
+                if number < start.launches:
+                    continue
+                if len(pending) == LAUNCHES_IN_FLIGHT:
+                    add_oldest()
+                outputs = self._outputs[number % LAUNCHES_IN_FLIGHT]
+                pending.append((launch, self._submit(launch, samples, outputs), outputs))
+            while pending:
+                add_oldest()
+        finally:
+            for _, submission, _ in pending:
+                submission.close()
 
     def _pilot(self, samples: int) -> NDArray[np.float64]:
-        """The median of every cell's first weights: the shift of its power sums."""
+        """The shift of every cell's power sums: the median over lanes of the mean of a lane's first two weights."""
         self._cells.array["shift"] = 0.0
         shifts = np.empty(self._count)
         for first in range(0, self._count, LAUNCH_BLOCKS):
             launch = _Launch(first, min(LAUNCH_BLOCKS, self._count - first), 0, 1)
             self._submit(launch, samples, self._outputs[0]).wait(TIMEOUT_S)
-            weights = _view(self._outputs[0][0], launch)[0, :, 0, :samples]
-            shifts[first : first + launch.cells] = np.median(weights, axis=1)
+            lanes = -(-samples // 2)
+            weights, drawn = (_view(buffer, launch)[0, :, 0, :lanes] for buffer in self._outputs[0])
+            shifts[first : first + launch.cells] = np.median(weights / drawn, axis=1)
         return shifts.astype(np.float32).astype(np.float64)
 
     def _submit(self, launch: _Launch, samples: int, outputs: tuple[Buffer, Buffer]) -> Submission:
@@ -221,6 +273,12 @@ def _note_first_bad(first_bad: NDArray[np.int64], found: NDArray[np.uint32], fir
     indices = np.where(found == NO_INDEX, np.iinfo(np.int64).max, found + offsets).min(axis=1)
     fresh = (first_bad < 0) & (indices < np.iinfo(np.int64).max)
     first_bad[fresh] = indices[fresh]
+
+
+def _complete(sums: CellSums, samples: int) -> CellSums:
+    if np.any(sums.drawn != samples):
+        raise IncompleteRun(f"the driver ended a loop after {sums.drawn.min()} of {samples} samples")
+    return sums
 
 
 def _empty_sums(shift: NDArray[np.float64]) -> CellSums:

@@ -10,24 +10,35 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from service.axes import axes
 from service.engine import Engine
-from service.estimators import Estimate, estimate
+from service.estimators import Estimate, estimate, statistics_so_far
 from service.estimators.quadrature import LEAST_VARIANCE
 from service.moments import Statistics
 from service.random_numbers import cell_key
 from service.reference import CellReference
 from service.reference_store import series_reference
-from service.sampling import Cells
+from service.sampling import Cells, CellSums, Journal
 from service.scene import Question, Scene, SeriesPlan, radians
 from service.verdict import Evidence, finite_or_none, verdict
+
+REFERENCE_ANGLES = 64
+"""Cells whose reference is computed at a time: tenths of a second, so that an interruption is prompt."""
 
 Progress = Callable[[str, int, int], None]
 """Called with what is being done, how many samples are done, and how many there will be."""
 
 
-def compute_statistics(question: Question, engine: Engine, progress: Progress = lambda *_: None) -> dict[str, Any]:
+def compute_statistics(
+    question: Question,
+    engine: Engine,
+    progress: Progress = lambda *_: None,
+    journal: Callable[[int], Journal | None] = lambda series: None,
+) -> dict[str, Any]:
     """Answer a question: the result of kind `statistics`, as plain data ready for JSON.
 
+    `journal` gives the journal of each series by its number: a run goes on from what it holds, and ends with the same
+    bits as one that was never interrupted.
     Raises BadInput for parameters out of range, lavapipe.CompileError for a shader that does not compile, and the other
     errors of lavapipe for the device.
     """
@@ -47,13 +58,14 @@ def compute_statistics(question: Question, engine: Engine, progress: Progress = 
 
         done = number * total // len(question.series)  # an estimator may need more or fewer samples than asked for
         progress(name, done, total)
-        entry, built_ms = _series(plan, scene, engine, advance)
+        entry, built_ms = _series(plan, scene, engine, advance, journal(number))
         compile_ms += built_ms
         series.append(entry)
     info = engine.device.info
     return {
         "kind": "statistics",
         "scene": scene.model_dump(mode="json"),
+        "axes": axes(series),
         "series": series,
         "left_out": left_out(scene),
         "run": {
@@ -101,21 +113,53 @@ def series_cells(plan: SeriesPlan, scene: Scene) -> Cells:
     return Cells(wo, keys, np.repeat(row, len(angles), axis=0))
 
 
-def _series(
-    plan: SeriesPlan, scene: Scene, engine: Engine, advance: Callable[[int], None]
-) -> tuple[dict[str, Any], float]:
-    """One series of the result, and the milliseconds that building its shader took."""
-    angles = scene.angles_deg
-    cells = None
-    if scene.reference and not (plan.model.own or plan.technique.own):
-        cells = series_reference(plan.model.name, plan.technique.name, plan.parameters, angles, engine.cache)
-    found = estimate(plan, scene, engine, series_cells(plan, scene), cells, moments_needed(scene), advance)
-    entry: dict[str, Any] = {
+def partial_series(plan: SeriesPlan, scene: Scene, sums: CellSums) -> dict[str, Any]:
+    """What the sums of an unfinished run give, as a series that plots: its samples differ from angle to angle, and an
+    angle without any is null.
+    """
+    sampled = statistics_so_far(sums, len(scene.angles_deg), moments_needed(scene))
+    entry = _head(plan, scene) | {"samples": sampled.samples.tolist()}
+    if sampled.statistics is not None:
+        entry |= _moment_columns(scene, sampled.statistics, None)
+    if "max_weight" in scene.statistics:
+        entry["max_weight"] = finite_or_none(sampled.largest)
+    return entry
+
+
+def _head(plan: SeriesPlan, scene: Scene) -> dict[str, Any]:
+    return {
         "model": plan.model.name,
         "technique": plan.technique.name,
         "parameters": dict(plan.parameters),
-        "theta_o_deg": list(angles),
+        "theta_o_deg": list(scene.angles_deg),
     }
+
+
+def _reference(plan: SeriesPlan, scene: Scene, engine: Engine, pause: Callable[[], None]) -> list[CellReference] | None:
+    """The reference of every angle, None where there is none or it was not asked for. `pause` is called time and again:
+    a reference takes milliseconds a cell the first time.
+    """
+    if not scene.reference or plan.model.own or plan.technique.own:
+        return None
+    cells: list[CellReference] = []
+    for first in range(0, len(scene.angles_deg), REFERENCE_ANGLES):
+        pause()
+        angles = scene.angles_deg[first : first + REFERENCE_ANGLES]
+        found = series_reference(plan.model.name, plan.technique.name, plan.parameters, angles, engine.cache)
+        if found is None:
+            return None
+        cells += found
+    return cells
+
+
+def _series(
+    plan: SeriesPlan, scene: Scene, engine: Engine, advance: Callable[[int], None], journal: Journal | None
+) -> tuple[dict[str, Any], float]:
+    """One series of the result, and the milliseconds that building its shader took."""
+    angles = scene.angles_deg
+    cells = _reference(plan, scene, engine, lambda: advance(0))
+    found = estimate(plan, scene, engine, series_cells(plan, scene), cells, moments_needed(scene), advance, journal)
+    entry = _head(plan, scene)
     if found.statistics is not None:
         entry |= _moment_columns(scene, found.statistics, cells)
     if "max_weight" in scene.statistics:

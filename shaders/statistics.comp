@@ -30,6 +30,41 @@ layout(push_constant) uniform Launch {
 #include "common/sobol.glsl"
 #include "variant/load_parameters.glsl"
 
+// What a lane has found: sums of powers of (weight - shift), the largest weight, and counts of samples.
+struct Tally {
+    float s1, s2, s3, s4, largest;
+    uint drawn, zero, nonfinite, negative, first_bad;
+};
+
+// Draws sample `index` of the block at u and adds it; one beyond the end of the block is not `live` and adds nothing.
+void add_sample(inout Tally t, vec2 u, uint index, bool live, vec3 wo, float shift) {
+    DirectionSample s = technique_sample_direction(wo, u);
+    float weight = throughput_weight(s, wo);
+    bool bad = live && is_nonfinite(weight + (s.pdf + (s.wi.x + s.wi.y + s.wi.z)));
+    bool counted = live && !bad;
+    t.drawn += live ? 1u : 0u;
+    t.zero += live && weight == 0.0 ? 1u : 0u;
+    t.negative += live && weight < 0.0 ? 1u : 0u;
+    t.nonfinite += bad ? 1u : 0u;
+    t.first_bad = bad ? min(t.first_bad, index) : t.first_bad;
+    float d = counted ? weight - shift : 0.0;
+    float d2 = d * d;
+    if (MOMENTS >= 1u) t.s1 += d;
+    if (MOMENTS >= 2u) t.s2 += d2;
+    if (MOMENTS >= 3u) t.s3 += d2 * d;
+    if (MOMENTS >= 4u) t.s4 += d2 * d2;
+    if (WITH_MAX) t.largest = counted ? max(t.largest, weight) : t.largest;
+}
+
+// (u1, u2) of samples 2 n and 2 n + 1 of the block.
+vec4 sample_numbers(uint n, uint block, uvec2 key) {
+    if (SCRAMBLED_SOBOL) {
+        uint first = block * BLOCK_SAMPLES + 2u * n;
+        return vec4(scrambled_sobol_pair(first, key), scrambled_sobol_pair(first + 1u, key));
+    }
+    return random_samples(uvec2(n, block), key);
+}
+
 void main() {
     uint lane = gl_LocalInvocationID.x;
     uint block = first_block + gl_WorkGroupID.x;
@@ -39,38 +74,25 @@ void main() {
     uvec2 key = cells[cell].key.xy;
     load_parameters(cell);
 
-    float s1 = 0.0, s2 = 0.0, s3 = 0.0, s4 = 0.0, largest = -3.402823466e38;
-    uint drawn = 0u, zero = 0u, nonfinite = 0u, negative = 0u, first_bad = 0xffffffffu;
+    Tally t = Tally(0.0, 0.0, 0.0, 0.0, -3.402823466e38, 0u, 0u, 0u, 0u, 0xffffffffu);
     uint end = block == last_block ? last_samples : BLOCK_SAMPLES;
-    for (uint i = lane; i < end; i += LANES) {
-        vec2 u = SCRAMBLED_SOBOL ? scrambled_sobol_pair(block * BLOCK_SAMPLES + i, key) : random_pair(uvec2(i, block), key);
-        DirectionSample s = technique_sample_direction(wo, u);
-        float weight = throughput_weight(s, wo);
-        bool bad = is_nonfinite(weight + (s.pdf + (s.wi.x + s.wi.y + s.wi.z)));
-        drawn++;
-        zero += weight == 0.0 ? 1u : 0u;
-        negative += weight < 0.0 ? 1u : 0u;
-        nonfinite += bad ? 1u : 0u;
-        first_bad = bad ? min(first_bad, i) : first_bad;
-        float d = bad ? 0.0 : weight - shift;
-        if (MOMENTS >= 1u) s1 += d;
-        if (MOMENTS >= 2u) s2 += d * d;
-        if (MOMENTS >= 3u) s3 += d * d * d;
-        if (MOMENTS >= 4u) s4 += (d * d) * (d * d);
-        if (WITH_MAX) largest = bad ? largest : max(largest, weight);
+    for (uint n = lane; 2u * n < end; n += LANES) {
+        vec4 u = sample_numbers(n, block, key);
+        add_sample(t, u.xy, 2u * n, true, wo, shift);
+        add_sample(t, u.zw, 2u * n + 1u, 2u * n + 1u < end, wo, shift);
     }
 
     uint blocks = gl_NumWorkGroups.x * gl_NumWorkGroups.y;
     uint at = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * LANES + lane;
     uint stride = blocks * LANES;
-    sums[at] = s1;
-    sums[at + stride] = s2;
-    sums[at + 2u * stride] = s3;
-    sums[at + 3u * stride] = s4;
-    sums[at + 4u * stride] = largest;
-    counts[at] = loops_ran(min(gl_NumWorkGroups.x + 1u, 2u)) ? drawn : 0u;
-    counts[at + stride] = zero;
-    counts[at + 2u * stride] = nonfinite;
-    counts[at + 3u * stride] = negative;
-    counts[at + 4u * stride] = first_bad;
+    sums[at] = t.s1;
+    sums[at + stride] = t.s2;
+    sums[at + 2u * stride] = t.s3;
+    sums[at + 3u * stride] = t.s4;
+    sums[at + 4u * stride] = t.largest;
+    counts[at] = loops_ran(min(gl_NumWorkGroups.x + 1u, 2u)) ? t.drawn : 0u;
+    counts[at + stride] = t.zero;
+    counts[at + 2u * stride] = t.nonfinite;
+    counts[at + 3u * stride] = t.negative;
+    counts[at + 4u * stride] = t.first_bad;
 }

@@ -14,7 +14,7 @@ from service.estimators.estimate import Estimate
 from service.estimators.quadrature import LEAST_VARIANCE, quadrature
 from service.estimators.sampled import REPLICATES, Advance, monte_carlo, quasi_monte_carlo
 from service.reference import CellReference
-from service.sampling import Cells
+from service.sampling import Cells, Journal
 from service.scene import Estimator, Scene, SeriesPlan
 
 FIRST_SAMPLES = 1 << 16
@@ -35,6 +35,7 @@ def estimate(
     reference: Sequence[CellReference] | None,
     moments: int,
     advance: Advance = lambda done: None,
+    journal: Journal | None = None,
 ) -> Estimate:
     """The statistics of one series by the estimator of the scene, or by the one that reaches its tolerance first.
 
@@ -50,8 +51,10 @@ def estimate(
 
     def drawn(method: str) -> Draw:
         if method == "mc":
-            return lambda one: monte_carlo(plan, engine, cells, one, moments, with_max, advance)
-        return lambda one: quasi_monte_carlo(plan, engine, cells, scene.angles_deg, one, moments, with_max, advance)
+            return lambda one: monte_carlo(plan, engine, cells, one, moments, with_max, advance, journal)
+        return lambda one: quasi_monte_carlo(
+            plan, engine, cells, scene.angles_deg, one, moments, with_max, advance, journal
+        )
 
     if asked.method in ("mc", "qmc"):
         draw = drawn(asked.method)

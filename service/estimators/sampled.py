@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,7 +16,7 @@ from service.engine import Engine
 from service.estimators.estimate import Estimate
 from service.moments import Statistics, from_power_sums
 from service.random_numbers import random_pairs, replicate_key, scrambled_sobol_pairs
-from service.sampling import Cells, CellSums, Sampler
+from service.sampling import Cells, CellSums, Journal, Sampler
 from service.scene import Estimator, SeriesPlan
 
 if TYPE_CHECKING:
@@ -34,7 +35,8 @@ def open_sampler(
     begin = time.perf_counter()
     pipeline = engine.pipeline(plan.model, plan.technique, "statistics", {0: moments, 1: with_max, 2: sobol})
     with Sampler(engine.device, pipeline, cells) as sampler:
-        sampler.warm_up()
+        if engine.first_use(pipeline):
+            sampler.warm_up()
         yield sampler, 1e3 * (time.perf_counter() - begin)
 
 
@@ -52,10 +54,11 @@ def monte_carlo(
     moments: int,
     with_max: bool,
     advance: Advance = lambda done: None,
+    journal: Journal | None = None,
 ) -> Estimate:
     """Independent samples; the error bars are theirs."""
     with open_sampler(plan, engine, cells, moments, with_max, sobol=False) as (sampler, built_ms):
-        sums = sampler.run(estimator.samples, advance)
+        sums = sampler.run(estimator.samples, advance, journal)
     bad = [
         (index, random_pairs(_key(cells, at), np.array([index], np.uint64))[0]) if index >= 0 else None
         for at, index in enumerate(sums.first_bad.tolist())
@@ -85,13 +88,14 @@ def quasi_monte_carlo(
     moments: int,
     with_max: bool,
     advance: Advance = lambda done: None,
+    journal: Journal | None = None,
 ) -> Estimate:
     """Replicates of a scrambled sequence, each of a power of two of points; the error bars are their spread."""
     points = points_for(estimator.samples)
     keys = [replicate_key(estimator.seed, r, angle) for r in range(REPLICATES) for angle in angles_deg]
     many = replicated(cells, keys)
     with open_sampler(plan, engine, many, moments, with_max, sobol=True) as (sampler, built_ms):
-        sums = sampler.run(points, advance)
+        sums = sampler.run(points, advance, journal)
     by_replicate = (REPLICATES, len(cells))
     first_bad = sums.first_bad.reshape(by_replicate)
     bad: list[tuple[int, NDArray[np.float32]] | None] = []
@@ -116,6 +120,28 @@ def quasi_monte_carlo(
         evaluations=int(sums.drawn.sum()),
         device_ns=sums.device_ns,
         built_ms=built_ms,
+    )
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """What the sums of an unfinished run give, an entry a cell: samples drawn, statistics and largest weight."""
+
+    samples: NDArray[np.int64]
+    statistics: Statistics | None
+    largest: NDArray[np.float64]
+
+
+def statistics_so_far(sums: CellSums, cells: int, moments: int) -> Drawn:
+    """The statistics of an unfinished run of either estimator for so many cells; NaN for a cell without a sample."""
+    if len(sums.drawn) == cells:
+        statistics = from_power_sums(sums.counted, sums.shift, sums.powers, moments) if moments else None
+        return Drawn(sums.drawn, statistics, sums.largest)
+    shape = (REPLICATES, cells)
+    return Drawn(
+        sums.drawn.reshape(shape).sum(axis=0),
+        _pooled(sums, shape, moments) if moments else None,
+        sums.largest.reshape(shape).max(axis=0),
     )
 
 

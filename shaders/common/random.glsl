@@ -19,13 +19,18 @@ uvec4 pcg4d(uvec4 v) {
 
 const float ONE_MINUS_EPSILON = 0.999999940395355; // 1 - 2^-24, the largest float below 1
 
-// (u1, u2) in [0, 1)^2. u1 keeps 48 random bits, so that near 0 its grid is as fine as float32: techniques whose weight
-// has a tail put it there. u2 has 24 bits.
-vec2 random_pair(uvec2 counter, uvec2 key) {
+// (u1, u2) in [0, 1)^2 from two words. u1 keeps 40 bits, so that its grid is fine near 0, where techniques whose weight
+// has a tail put it; u2 has the other 24.
+vec2 unit_square(uint a, uint b) {
+    float low = float(int(((a & 255u) << 8u) | (b & 255u))) * 9.094947017729282e-13;
+    float u1 = float(int(a >> 8u)) * 5.9604644775390625e-8 + low;
+    return vec2(min(u1, ONE_MINUS_EPSILON), float(int(b >> 8u)) * 5.9604644775390625e-8);
+}
+
+// Two samples from one hash: (u1, u2) of sample 2 n in xy and of sample 2 n + 1 in zw, for the counter (n, block).
+vec4 random_samples(uvec2 counter, uvec2 key) {
     uvec4 bits = pcg4d(uvec4(counter, key));
-    float u1 = float(int(bits.x >> 8u)) * 5.9604644775390625e-8 + float(int(bits.y >> 8u)) * 3.5527136788005009e-15;
-    float u2 = float(int(bits.z >> 8u)) * 5.9604644775390625e-8;
-    return vec2(min(u1, ONE_MINUS_EPSILON), u2);
+    return vec4(unit_square(bits.x, bits.y), unit_square(bits.z, bits.w));
 }
 
 #endif

@@ -1,0 +1,115 @@
+"""From a request to a scene: query parameters or a JSON body, as plain data that `parse_scene` checks."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Collection, Mapping
+from typing import Any
+
+from starlette.datastructures import QueryParams
+from starlette.requests import Request
+
+from service.api.problems import HttpError
+from service.catalogue import Catalogue
+from service.errors import BadInput, Problem
+from service.formats import FORMATS
+from service.scene import Estimator, Scene, parse_scene, resolve
+from service.worker.kinds import Kind
+
+_LISTS = frozenset({"techniques", "statistics", "theta_o_deg", "phi_o_deg", "estimators"})
+_NOT_IN_QUERY = frozenset({"parameters", "estimator"})
+_IN_CATALOGUE = ("model", "techniques", "parameters", "zip")
+_QUICK_SERIES = 1000
+
+
+def parameter_names(catalogue: Catalogue) -> list[str]:
+    """Names of the parameters that any model or technique declares."""
+    entries = [*catalogue.models.values(), *catalogue.techniques.values()]
+    return list(dict.fromkeys(name for entry in entries for name in entry.head.parameters))
+
+
+def scene_of_query(query: QueryParams, kind: Kind, catalogue: Catalogue, parameters: Collection[str]) -> Scene:
+    """The scene of a query string; every field is named as in a scene, a parameter by its own name.
+
+    Raises BadInput with all that is wrong.
+    """
+    data: dict[str, Any] = {"parameters": {}, "estimator": {}}
+    problems: list[Problem] = []
+    for name in query:
+        values = query.getlist(name)
+        split = [part.strip() for value in values for part in value.split(",")]
+        if name in parameters:
+            data["parameters"][name] = split
+        elif name == "zip":
+            data[name] = [value.split(",") for value in values]
+        elif name in _LISTS & kind.scene.model_fields.keys():
+            data[name] = split
+        elif len(values) > 1:
+            problems.append(Problem(name, ", ".join(values), "given once"))
+        elif name == "format":
+            if values[0] not in FORMATS:
+                problems.append(Problem(name, values[0], "one of " + ", ".join(FORMATS)))
+        elif name == "angles":
+            data["theta_o_deg"] = {"count": values[0]}
+        elif name in Estimator.model_fields:
+            data["estimator"][name] = values[0]
+        elif name in kind.scene.model_fields.keys() - _NOT_IN_QUERY:
+            data[name] = values[0]
+        else:
+            problems.append(Problem(name, ", ".join(values), "no field of this name"))
+    if "angles" in query and "theta_o_deg" in query:
+        problems.append(Problem("angles", query["angles"], "either angles or theta_o_deg, not both"))
+    return _checked(data, kind, catalogue, problems)
+
+
+async def scene_of_body(request: Request, kind: Kind, catalogue: Catalogue) -> Scene:
+    """The scene of a JSON body; raises as `json_of_body` does, and BadInput with all that is wrong."""
+    return scene_of(await json_of_body(request), kind, catalogue)
+
+
+def scene_of(data: Any, kind: Kind, catalogue: Catalogue) -> Scene:
+    """The scene of plain data. Raises BadInput with all that is wrong."""
+    return _checked(data, kind, catalogue, [])
+
+
+def _checked(data: Any, kind: Kind, catalogue: Catalogue, problems: list[Problem]) -> Scene:
+    try:
+        if not isinstance(data, Mapping):
+            raise BadInput(Problem("scene", data, "an object"))
+        scene = kind.parse(data)
+    except BadInput as error:
+        problems.extend(error.problems)
+    if problems:
+        raise BadInput([*problems, *_beside(data, catalogue, problems)])
+    return scene
+
+
+def _beside(data: Any, catalogue: Catalogue, known: Collection[Problem]) -> list[Problem]:
+    """What the catalogue finds wrong in the fields of a wrong scene that are right in form."""
+    wrong = {problem.field.partition(".")[0] for problem in known}
+    if not isinstance(data, Mapping) or "model" not in data:
+        return []
+    rest = {name: data[name] for name in _IN_CATALOGUE if name in data and name not in wrong}
+    try:
+        scene = parse_scene(rest)
+        if math.prod(map(len, scene.parameters.values())) <= _QUICK_SERIES:
+            resolve(scene, catalogue)
+    except BadInput as error:
+        return [problem for problem in error.problems if problem.field.partition(".")[0] not in wrong]
+    return []
+
+
+async def json_of_body(request: Request) -> Any:
+    """The JSON of a body. Raises HttpError: 415 for another type, 400 where it is not JSON."""
+    media_type = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+    if media_type != "application/json":
+        raise HttpError(415, "unsupported-media-type", "the body must be application/json")
+    try:
+        return json.loads(await request.body(), parse_constant=_refuse)
+    except (ValueError, RecursionError) as error:
+        raise HttpError(400, "malformed-json", f"the body is not JSON: {str(error)[:200]}") from None
+
+
+def _refuse(constant: str) -> None:
+    raise ValueError(f"{constant} is no JSON number")

@@ -1,0 +1,200 @@
+"""What responses look like, for the OpenAPI document. Responses may have more members than are listed here."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import BaseModel, Field
+
+from service.catalogue import Parameter
+from service.worker.kinds import KINDS
+
+Column = list[float | None]
+
+
+class Axis(BaseModel):
+    """How to label a column when it is plotted."""
+
+    label: str
+    unit: str
+    scale: Literal["linear", "log"]
+
+
+class Finding(BaseModel):
+    """One thing that is known of a series."""
+
+    name: str
+    message: str
+    evidence: dict[str, Any]
+
+
+class Verdict(BaseModel):
+    """What the numbers of a series mean; the status is `ok` or the name of the worst finding."""
+
+    status: str
+    findings: list[Finding]
+
+
+class Reference(BaseModel):
+    """Float64 truth, one value an angle; null where it is infinite."""
+
+    mean: Column
+    albedo: Column
+    variance: Column
+    max_weight: Column
+
+
+class Series(BaseModel):
+    """One curve: a technique at one set of parameter values. All columns have the length of `theta_o_deg`."""
+
+    model: str
+    technique: str
+    parameters: dict[str, float]
+    theta_o_deg: list[float]
+    samples: int | list[int]
+    mean: Column = []
+    mean_stderr: Column = []
+    variance: Column = []
+    variance_stderr: Column = []
+    max_weight: Column = []
+    zero_fraction: Column
+    nonfinite: list[int]
+    reference: Reference | None
+    verdict: Verdict
+    device_ms: float
+
+
+class StatisticsResult(BaseModel):
+    """Mean, variance and largest weight of every technique at every view angle."""
+
+    kind: Literal["statistics"]
+    scene: dict[str, Any]
+    axes: dict[str, Axis]
+    series: list[Series]
+    left_out: list[dict[str, str]]
+    run: dict[str, Any]
+
+
+class AnyResult(BaseModel):
+    """A result: its kind says what else it holds."""
+
+    kind: str
+
+
+class CatalogueEntry(BaseModel):
+    """A model or technique as its file declares it."""
+
+    name: str
+    title: str
+    source: str
+    parameters: dict[str, Parameter]
+    singular: list[str]
+
+
+class CatalogueResult(BaseModel):
+    """Every model and technique."""
+
+    kind: Literal["catalogue"]
+    models: list[CatalogueEntry]
+    techniques: list[CatalogueEntry]
+
+
+class Figure(BaseModel):
+    """A figure of a paper."""
+
+    name: str
+    title: str
+    chart: str
+    scene: dict[str, Any]
+
+
+class Figures(BaseModel):
+    """The figures there are."""
+
+    kind: Literal["figures"]
+    figures: list[Figure]
+
+
+class Progress(BaseModel):
+    """Samples drawn, and to draw in all."""
+
+    done: int = Field(ge=0)
+    total: int = Field(ge=0)
+
+
+class Links(BaseModel):
+    """Paths that belong to a job."""
+
+    self: str
+    events: str
+    result: str
+
+
+class BadField(BaseModel):
+    """One wrong field: its path, the value given, what is allowed."""
+
+    field: str
+    value: Any
+    allowed: str
+
+
+class Problem(BaseModel):
+    """What went wrong (RFC 9457)."""
+
+    type: str
+    title: str
+    status: int
+    detail: str
+    request_id: str = Field(description="The same id stands in the log of the server.")
+    errors: list[BadField] = Field([], description="Every wrong field.")
+    estimate: float | None = Field(None, description="What the question would need, where that is above a limit.")
+    limit: float | None = Field(None, description="That limit.")
+
+
+class Job(BaseModel):
+    """A question answered in the background."""
+
+    id: str
+    kind: Literal[tuple(KINDS)]  # type: ignore[valid-type]
+    state: Literal["queued", "running", "done", "failed", "cancelled"]
+    progress: Progress
+    estimate_s: float
+    created: str
+    updated: str
+    error: Problem | None
+    links: Links
+    scene: dict[str, Any]
+
+
+class Jobs(BaseModel):
+    """The latest jobs."""
+
+    kind: Literal["jobs"]
+    jobs: list[Job]
+
+
+class Health(BaseModel):
+    """The server answers."""
+
+    status: Literal["ok"]
+
+
+class Ready(BaseModel):
+    """The device computed what it should have."""
+
+    ready: Literal[True]
+    found: dict[str, float | None]
+    known: dict[str, float]
+    device: dict[str, Any]
+
+
+MODELS: tuple[type[BaseModel], ...] = (
+    StatisticsResult,
+    AnyResult,
+    CatalogueResult,
+    Figures,
+    Jobs,
+    Problem,
+    Health,
+    Ready,
+)

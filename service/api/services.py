@@ -1,0 +1,177 @@
+"""All that a running server holds, and the one way from a question to a response."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections.abc import Coroutine
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
+
+from starlette.requests import Request
+from starlette.responses import Response
+
+from service.api.jobs_json import accepted
+from service.api.metrics import Metrics
+from service.api.problems import HttpError, OverBudget, problem_of
+from service.api.representations import chosen_format, formats_of, represent
+from service.api.settings import Settings
+from service.catalogue import Catalogue, load_catalogue
+from service.errors import Problem
+from service.formats import FORMATS
+from service.jobs.answers import Answers
+from service.jobs.asked import Asked, ask
+from service.jobs.estimates import Costs, Estimate
+from service.jobs.running import Jobs
+from service.jobs.store import Store
+from service.scene import Scene
+from service.worker.kinds import KINDS
+from service.worker.lane import Lane, LaneSettings
+
+T = TypeVar("T")
+
+PICTURE_BEAT_TIMEOUT_S = 30.0
+"""The library that draws pictures holds the interpreter while it does: its worker gives no sign of life meanwhile."""
+
+_QUICK_SERIES = 200
+"""Questions of more series are checked in a thread; of fewer, at once, which takes less than the switch would."""
+
+
+@dataclass
+class Services:
+    """A server's parts. `start` and `stop` them in the event loop that uses them."""
+
+    settings: Settings
+    catalogue: Catalogue
+    metrics: Metrics
+    store: Store
+    direct: Lane
+    background: Lane
+    encoding: Lane
+    costs: Costs
+    answers: Answers
+    jobs: Jobs
+    formats: dict[str, list[str]] = field(default_factory=dict)
+
+    @classmethod
+    def create(cls, settings: Settings) -> Services:
+        """Open the store and lay out the rest. BadInput where the store's folder is no good. In an event loop."""
+        metrics = Metrics()
+
+        def lane(name: str, **more: Any) -> Lane:
+            clocks: dict[str, Any] = {
+                "beat_timeout_s": settings.beat_timeout_s,
+                "stall_timeout_s": settings.stall_timeout_s,
+            }
+            made = Lane(LaneSettings(name, **clocks | more), lambda name: metrics.restarts.labels(name).inc())
+            metrics.queue.labels(name).set_function(lambda: len(made.waiting))
+            return made
+
+        store = Store(settings.data_dir, settings.store_limit_bytes, settings.store_max_age_s, settings.store_max_jobs)
+        # The server itself answers first, then small questions, then pictures and jobs.
+        direct = lane("direct", nice=5, limit=settings.queue_limit)
+        background = lane("jobs", nice=10, limit=settings.jobs_limit, quantum_s=1.0)
+        encoding = lane(
+            "encode", nice=7, limit=settings.queue_limit, with_device=False, beat_timeout_s=PICTURE_BEAT_TIMEOUT_S
+        )
+        costs = Costs()
+        answers = Answers(
+            store,
+            direct,
+            encoding,
+            costs,
+            settings.client_limit,
+            settings.request_timeout_s,
+            lambda how, kind: metrics.answers.labels(how, kind).inc(),
+        )
+        jobs = Jobs(
+            answers, background, lambda error: problem_of(error)[0], lambda state: metrics.jobs.labels(state).inc()
+        )
+        return cls(settings, load_catalogue(), metrics, store, direct, background, encoding, costs, answers, jobs)
+
+    async def start(self) -> None:
+        """Start the workers and go on with unfinished jobs. Raises NoDevice."""
+        await asyncio.gather(self.direct.start(), self.background.start(), self.encoding.start())
+        await self.jobs.resume()
+
+    async def stop(self) -> None:
+        """Put jobs off, end the workers, store what is not stored yet."""
+        await self.jobs.stop()
+        await asyncio.gather(self.direct.close(), self.encoding.close())
+        self.answers.close()
+        self.store.close()
+
+    async def ask(self, kind: str, scene: Scene) -> Asked:
+        """Check a scene against the catalogue and the limits. Raises BadInput."""
+        series = self._series_at_most(scene)
+        cells = series * len(scene.angles_deg)
+        if cells > self.settings.max_cells:
+            problem = Problem("parameters", f"{cells} cells", f"at most {self.settings.max_cells} (series x angles)")
+            raise OverBudget(problem, cells, self.settings.max_cells)
+        if series > _QUICK_SERIES:
+            asked = await asyncio.to_thread(ask, kind, scene, self.catalogue, self.direct.device)
+        else:
+            asked = ask(kind, scene, self.catalogue, self.direct.device)
+        samples = KINDS[kind].samples(asked.question)
+        if samples > self.settings.max_samples:
+            limit = self.settings.max_samples
+            problem = Problem("estimator.samples", f"{samples} in all cells", f"at most {limit} in all cells")
+            raise OverBudget(problem, samples, limit)
+        return asked
+
+    def _series_at_most(self, scene: Scene) -> int:
+        """How many series a scene may have, without making them."""
+        together = {name for group in scene.zip for name in group[1:]}
+        lengths = [len(values) for name, values in scene.parameters.items() if name not in together]
+        return math.prod(lengths) * (len(scene.techniques) if scene.techniques else len(self.catalogue.techniques))
+
+    async def estimate(self, asked: Asked) -> Estimate:
+        """What an answer will cost."""
+        if asked.question.scene.reference:
+            return await asyncio.to_thread(self.costs.estimate, asked.kind, asked.question)
+        return self.costs.estimate(asked.kind, asked.question)
+
+    async def respond(self, request: Request, kind: str, scene: Scene, figure: str | None = None) -> Response:
+        """The answer to a question in the format the client wants, or 202 and a job where it takes long."""
+        timings = request.scope["state"]["timings"]
+        if kind not in self.formats:
+            self.formats[kind] = formats_of(kind)
+        format_ = chosen_format(request, self.formats[kind])
+        asked = await self.ask(kind, scene)
+        stored = await self.answers.find(asked.key)
+        client = request.client.host if request.client else ""
+        if stored is not None:
+            self.metrics.answers.labels("hit", kind).inc()
+        else:
+            estimate = await self.estimate(asked)
+            patient = "respond-async" in request.headers.get("prefer", "")
+            if patient or estimate.seconds > self.settings.direct_limit_s:
+                return accepted(await self.jobs.submit(asked, estimate))
+            answered = await unless_gone(request, self.answers.compute(asked, client))
+            stored = answered.stored
+            timings |= answered.timings
+            self.metrics.device_ms.inc(answered.timings.get("device", 0.0))
+        if format_ != "json":
+            encoded = await unless_gone(request, self.answers.encode(asked.key, stored, format_, figure, client))
+            stored = encoded.stored
+            timings |= {name: ms for name, ms in encoded.timings.items() if name == "encode"}
+        return represent(request, stored, FORMATS[format_].media_type)
+
+
+async def unless_gone(request: Request, work: Coroutine[Any, Any, T]) -> T:
+    """The outcome of work that is cancelled when the client goes away."""
+    working = asyncio.create_task(work)
+    watching = asyncio.create_task(_gone(request))
+    try:
+        await asyncio.wait({working, watching}, return_when=asyncio.FIRST_COMPLETED)
+        if not working.done():
+            raise HttpError(408, "client-gone", "the client closed the connection")
+        return working.result()
+    finally:
+        watching.cancel()
+        working.cancel()
+
+
+async def _gone(request: Request) -> None:
+    while (await request.receive())["type"] != "http.disconnect":
+        pass

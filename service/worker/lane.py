@@ -1,0 +1,323 @@
+"""A lane: a queue of tasks before one worker, which is watched and replaced when it dies or hangs.
+
+The device goes to the task that had least of it so far, so small tasks overtake huge ones and equal ones share. A task
+that can be resumed gives way at its next launch when another waits that had less; its checkpoints are kept here, which
+is also why the death of a worker costs it no more than the launches that were under way.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+import logging
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from service.errors import SamplerscopeError
+from service.worker import protocol
+from service.worker.process import NoDevice, WorkerLost, WorkerProcess
+from service.worker.protocol import Message
+
+_log = logging.getLogger("samplerscope.worker")
+_numbers = itertools.count(1)
+
+
+class QueueFull(SamplerscopeError):
+    """As many tasks wait as are allowed to."""
+
+
+class Cancelled(SamplerscopeError):
+    """A task was cancelled, or put off by the end of the server; its checkpoints stay valid."""
+
+
+class WorkerError(SamplerscopeError):
+    """An error that the worker met in a task. `description` is its own account; see service.worker.child."""
+
+    def __init__(self, description: dict[str, Any]) -> None:
+        super().__init__(description["message"] or "an error inside the service")
+        self.description = description
+
+
+@dataclass(frozen=True)
+class LaneSettings:
+    """How a lane runs: `tries` is how many workers a task may lose in a row without getting further."""
+
+    name: str
+    with_device: bool = True
+    nice: int = 0
+    limit: int = 64
+    quantum_s: float = 0.2
+    beat_timeout_s: float = 2.0
+    stall_timeout_s: float = 120.0
+
+
+@dataclass(eq=False)
+class Task:
+    """Something to be done. `checkpoints` holds the latest bytes of every run that has begun.
+
+    `tries` is how many workers it may use up without getting further; `hear` is called with every message about it.
+    """
+
+    head: dict[str, Any]
+    blobs: tuple[bytes, ...] = ()
+    resumable: bool = False
+    tries: int = 1
+    hear: Callable[[Message], None] = lambda message: None
+    checkpoints: dict[str, bytes] = field(default_factory=dict)
+    number: int = field(default_factory=lambda: next(_numbers))
+    created: float = field(default_factory=time.monotonic)
+    begun: float | None = None
+    served_s: float = 0.0
+    slices_in_vain: int = 0
+    losses: int = 0
+    cancelled: bool = False
+    future: asyncio.Future[Message] = field(default_factory=lambda: asyncio.get_running_loop().create_future())
+
+    def message(self) -> Message:
+        """The message that starts it, or starts it again."""
+        runs = list(self.checkpoints)
+        head = {**self.head, "id": self.number, "runs": runs}
+        return Message(head, tuple(self.checkpoints.values()) if runs else self.blobs)
+
+    def fail(self, error: Exception) -> None:
+        """End it with an error."""
+        if not self.future.done():
+            self.future.set_exception(error)
+
+
+class Lane:
+    """A worker and the tasks before it. `start` it in a running event loop, `close` it at the end."""
+
+    def __init__(self, settings: LaneSettings, on_restart: Callable[[str], None] = lambda name: None) -> None:
+        self.settings = settings
+        self.waiting: list[Task] = []
+        self.running: Task | None = None
+        self.worker: WorkerProcess | None = None
+        self.device: dict[str, Any] | None = None
+        self.failure: Exception | None = None
+        self.restarts = 0
+        self._on_restart = on_restart
+        self._wake = asyncio.Event()
+        self._up = asyncio.Event()
+        self._closing = False
+        self._keeper: asyncio.Task[None] | None = None
+
+    async def start(self) -> None:
+        """Start the worker. Raises NoDevice or WorkerLost where that fails the first time."""
+        self._keeper = asyncio.create_task(self._keep())
+        await self._up.wait()
+        if self.failure is not None:
+            failure = self.failure
+            await self.close()
+            raise failure
+
+    async def close(self) -> None:
+        """End the worker; what waits or runs ends with Cancelled."""
+        self._closing = True
+        if self._keeper is not None:
+            self._keeper.cancel()
+            with suppress(asyncio.CancelledError):
+                await self._keeper
+        for task in [*self.waiting, *([self.running] if self.running else [])]:
+            task.fail(Cancelled("the server is stopping"))
+        self.waiting.clear()
+
+    def submit(self, task: Task, *, beyond_limit: bool = False) -> None:
+        """Put a task into the queue. Raises QueueFull, Cancelled at the server's end, and NoDevice without a device."""
+        if self._closing:
+            raise Cancelled("the server is stopping")
+        if isinstance(self.failure, NoDevice):
+            raise self.failure
+        if len(self.waiting) >= self.settings.limit and not beyond_limit:
+            raise QueueFull(f"{len(self.waiting)} tasks wait already, which is the limit")
+        self.waiting.append(task)
+        self._wake.set()
+
+    def cancel(self, task: Task) -> None:
+        """End a task: at once where it waits, at its next launch where it runs."""
+        task.cancelled = True
+        if task in self.waiting:
+            self.waiting.remove(task)
+            task.fail(Cancelled("cancelled"))
+        elif task is self.running and self.worker is not None:
+            self.worker.send(Message({"do": "stop", "id": task.number}))
+
+    async def _keep(self) -> None:
+        """Keep a worker running, for ever."""
+        pause_s = 0.05
+        while True:
+            try:
+                self.worker = await WorkerProcess.start(with_device=self.settings.with_device, nice=self.settings.nice)
+            except (NoDevice, WorkerLost, OSError) as error:
+                self._fail_all(error)
+                await asyncio.sleep(pause_s)
+                pause_s = min(5.0, 2 * pause_s)
+                continue
+            pause_s, self.failure, self.device = 0.05, None, self.worker.device
+            self._up.set()
+            _log.info("worker started", extra={"lane": self.settings.name, "worker": self.worker.process.pid})
+            try:
+                await self._work(self.worker)
+            finally:
+                worker, self.worker = self.worker, None
+                await worker.end()
+            self.restarts += 1
+            self._on_restart(self.settings.name)
+            _log.error("worker lost, starting another", extra={"lane": self.settings.name, "restarts": self.restarts})
+
+    def _fail_all(self, error: Exception) -> None:
+        _log.error("no worker: %s", error, extra={"lane": self.settings.name})
+        self.failure = error
+        self._up.set()
+        # A task with more tries waits on until a worker can be started.
+        for task in [waiting for waiting in self.waiting if waiting.tries == 1]:
+            self.waiting.remove(task)
+            task.fail(error)
+
+    async def _work(self, worker: WorkerProcess) -> None:
+        """Give tasks to a worker until it is lost."""
+        reader = _Reader(worker, self.settings)
+        while True:
+            while not self.waiting:
+                self._wake.clear()
+                if not await reader.idle(self._wake):
+                    return
+            task = min(self.waiting, key=lambda waiting: (waiting.served_s, waiting.number))
+            self.waiting.remove(task)
+            self.running = task
+            try:
+                lost = await self._do(task, worker, reader)
+            except (KeyError, ValueError, TypeError, IndexError):
+                # What a damaged worker says may be anything; it is replaced like one that says nothing.
+                _log.exception("a worker talks nonsense", extra={"lane": self.settings.name})
+                lost = True
+            finally:
+                if not self._closing:
+                    self.running = None
+            if lost:
+                self._lose(task)
+                return
+
+    async def _do(self, task: Task, worker: WorkerProcess, reader: _Reader) -> bool:
+        """Have a task done; whether the worker was lost over it. One that gave way is back in the queue."""
+        begin = time.monotonic()
+        task.begun = task.begun or begin
+        served_before, stopping = task.served_s, False
+        worker.send(task.message())
+        if task.cancelled:
+            worker.send(Message({"do": "stop", "id": task.number}))
+        while True:
+            message = await reader.next()
+            if message is None:
+                return True
+            task.served_s = served_before + time.monotonic() - begin
+            if message.head.get("id") != task.number:
+                continue
+            match message.head["say"]:
+                case "checkpoint" | "progress" as say:
+                    if say == "checkpoint":
+                        task.checkpoints[message.head["run"]] = message.blobs[0]
+                        task.losses = task.slices_in_vain = 0
+                    task.hear(message)
+                    if not stopping and self._should_yield(task, task.served_s - served_before):
+                        stopping = True
+                        worker.send(Message({"do": "stop", "id": task.number}))
+                case say:
+                    self._finish(task, say, message)
+                    return False
+
+    def _should_yield(self, task: Task, slice_s: float) -> bool:
+        # Slices that bring no checkpoint grow, so that a long step without one is finished at last.
+        return (
+            task.resumable
+            and slice_s >= self.settings.quantum_s * 2**task.slices_in_vain
+            and any(waiting.served_s < task.served_s for waiting in self.waiting)
+        )
+
+    def _finish(self, task: Task, say: Literal["done", "stopped", "failed"] | str, message: Message) -> None:
+        if task.future.done():
+            return
+        if say == "done":
+            task.future.set_result(message)
+        elif say == "failed":
+            task.fail(WorkerError(message.head["error"]))
+        elif task.cancelled:
+            task.fail(Cancelled("cancelled"))
+        else:
+            task.slices_in_vain += 1
+            self.waiting.append(task)
+
+    def _lose(self, task: Task) -> None:
+        """A worker died over this task: begin again where its checkpoints are, unless that was tried too often."""
+        task.losses += 1
+        if task.cancelled:
+            task.fail(Cancelled("cancelled"))
+        elif task.losses < task.tries:
+            self.waiting.append(task)
+        else:
+            task.fail(WorkerLost("the process that owned the device was lost; another one is starting"))
+
+
+class _Reader:
+    """Messages of a worker, with the two clocks that find one that hangs: its beats, and its getting further."""
+
+    def __init__(self, worker: WorkerProcess, settings: LaneSettings) -> None:
+        self._worker = worker
+        self._settings = settings
+        self._next: asyncio.Task[Message | None] | None = None
+
+    def _pending(self) -> asyncio.Task[Message | None]:
+        if self._next is None:
+            self._next = asyncio.create_task(protocol.read_from(self._worker.reader))
+        return self._next
+
+    async def idle(self, wake: asyncio.Event) -> bool:
+        """Watch an idle worker until `wake`; whether it still lives."""
+        waker = asyncio.create_task(wake.wait())
+        try:
+            while not wake.is_set():
+                pending = self._pending()
+                done, _ = await asyncio.wait(
+                    {pending, waker}, timeout=self._settings.beat_timeout_s, return_when=asyncio.FIRST_COMPLETED
+                )
+                if not done and not await self._arrived():
+                    return self._hangs("no sign of life")
+                if pending in done and self._taken() is None:
+                    return False
+            return True
+        finally:
+            waker.cancel()
+
+    async def next(self) -> Message | None:
+        """The next message but beats; None where the worker ended, shows no life, or does not get further."""
+        deadline = time.monotonic() + self._settings.stall_timeout_s
+        while True:
+            if not await self._arrived():
+                self._hangs("no sign of life")
+                return None
+            message = self._taken()
+            if message is None or message.head.get("say") != "beat":
+                return message
+            if time.monotonic() > deadline:
+                self._hangs("a task does not get further")
+                return None
+
+    async def _arrived(self) -> bool:
+        """Wait for the next message, as long as two beats may be apart."""
+        pending = self._pending()
+        done, _ = await asyncio.wait({pending}, timeout=self._settings.beat_timeout_s)
+        if not done:
+            # If this process was the one that stood still, what arrived meanwhile is read now.
+            await asyncio.sleep(0.05)
+        return pending.done()
+
+    def _taken(self) -> Message | None:
+        pending, self._next = self._next, None
+        return pending.result() if pending is not None else None
+
+    def _hangs(self, why: str) -> bool:
+        _log.error("worker hangs: %s", why, extra={"lane": self._settings.name, "worker": self._worker.process.pid})
+        return False

@@ -1,0 +1,138 @@
+"""Long questions become jobs: watched, cancelled, and gone on with after a restart."""
+
+import json
+import time
+
+import httpx
+import pytest
+from http_server import HUGE, LONG, SMALL, without_run
+
+
+def seeded(scene, seed):
+    return scene | {"estimator": scene["estimator"] | {"seed": seed}}
+
+
+def events(server, path, most=10_000):
+    """(name, data) of the events of a job until its end, or of the first `most`."""
+    found = []
+    with httpx.stream("GET", f"{server.url}{path}/events", timeout=60) as reply:
+        assert reply.headers["content-type"].startswith("text/event-stream")
+        name = None
+        for line in reply.iter_lines():
+            if line.startswith("event: "):
+                name = line.removeprefix("event: ")
+            elif line.startswith("data: "):
+                found.append((name, json.loads(line.removeprefix("data: "))))
+                if len(found) == most:
+                    break
+    return found
+
+
+def test_a_question_estimated_above_the_limit_becomes_a_job(server):
+    reply = server.ask(seeded(HUGE, 50))
+    assert reply.status_code == 202
+    path = reply.headers["location"]
+    job = server.client.get(path).json()
+    assert job["state"] in ("queued", "running")
+    assert job["estimate_s"] > 3.0
+    assert job["scene"]["estimator"]["samples"] == 10**9
+    # The same question again is the same job; its result is not there yet.
+    assert server.ask(seeded(HUGE, 50)).headers["location"] == path
+    early = server.client.get(f"{path}/result")
+    assert early.status_code == 409
+    assert "retry-after" in early.headers
+    assert server.client.delete(path).json()["state"] == "cancelled"
+
+
+def test_prefer_respond_async_makes_any_new_question_a_job(server):
+    scene = seeded(SMALL, 51)
+    reply = server.ask(scene, headers={"prefer": "respond-async"})
+    assert reply.status_code == 202
+    server.await_job(reply.headers["location"])
+    again = server.ask(scene, headers={"prefer": "respond-async"})
+    assert again.status_code == 200
+    result = server.client.get(f"{reply.headers['location']}/result")
+    assert result.content == again.content
+    assert result.headers["etag"] == again.headers["etag"]
+
+
+def test_events_tell_progress_and_partial_statistics_that_plot(server):
+    scene = seeded(LONG, 52)
+    path = server.start_job(scene)
+    told = events(server, path)
+    assert told[-1][0] == "done"
+    progress = [data for name, data in told if name == "progress"]
+    assert {data["technique"] for data in progress} >= {"cosine", "cltc-mis"}
+    done = [data["done"] for data in progress]
+    assert done == sorted(done)
+    assert len(set(done)) > 8
+    assert done[-1] == progress[-1]["total"] == 4 * 16 * 1_000_000
+    partials = [data for name, data in told if name == "partial"]
+    unfinished = [one for one in partials if 0 < min(one["samples"]) < 1_000_000]
+    assert unfinished
+    for one in partials:
+        assert len(one["theta_o_deg"]) == len(one["mean"]) == len(one["variance"]) == len(one["max_weight"]) == 16
+    result = server.client.get(f"{path}/result").json()
+    last = {one["number"]: one for one in partials}
+    assert [last[number]["mean"] for number in range(4)] == [series["mean"] for series in result["series"]]
+    assert events(server, path) == [("done", {})]
+
+
+def test_delete_cancels_at_the_next_launch_and_frees_the_device(server):
+    path = server.start_job(seeded(HUGE, 53))
+    server.await_job(path, wanted=("running",))
+    begin = time.monotonic()
+    assert server.client.delete(path).json()["state"] == "cancelled"
+    assert time.monotonic() - begin < 2.0
+    assert server.client.delete(path).json()["state"] == "cancelled"
+    assert events(server, path) == [("cancelled", {})]
+    assert server.client.get(f"{path}/result").status_code == 409
+    # The lane is free: another job runs to its end, and the worker was not replaced for it.
+    server.await_job(server.start_job(seeded(LONG, 54)), seconds=30)
+    assert server.metric("samplerscope_worker_restarts_total", lane="jobs") == 0
+
+
+def test_jobs_are_listed_newest_first(server):
+    first, second = (server.start_job(seeded(SMALL, seed)) for seed in (55, 56))
+    listed = [job["links"]["self"] for job in server.client.get("/v1/jobs").json()["jobs"]]
+    assert listed.index(second) < listed.index(first)
+
+
+@pytest.mark.parametrize("how", ["stop", "kill"])
+def test_a_job_survives_a_restart_of_the_server_and_ends_with_the_same_bits(start_server, direct_answer, how):
+    """`stop` is SIGTERM: the job is put off in order. `kill` is SIGKILL: what was stored last is gone on with."""
+    scene = seeded(LONG, 57)
+    first = start_server()
+    path = first.start_job(scene)
+    reached = first.await_job(path, wanted=(), until=lambda job: job["progress"]["done"] > 0)["progress"]["done"]
+    if how == "stop":
+        assert first.stop() == 0
+    else:
+        first.kill()
+    second = start_server()
+    resumed = [line for line in second.lines() if line["message"] == "going on with a job"]
+    assert len(resumed) == 1
+    assert resumed[0]["runs_begun"] >= 1
+    if how == "stop":
+        assert second.client.get(path).json()["progress"]["done"] >= reached
+    second.await_job(path)
+    assert without_run(second.client.get(f"{path}/result").json()) == direct_answer(scene)
+
+
+def test_watchers_are_told_that_the_server_stops(start_server):
+    server = start_server()
+    path = server.start_job(seeded(HUGE, 58))
+    server.await_job(path, wanted=("running",))
+    with httpx.stream("GET", f"{server.url}{path}/events", timeout=30) as reply:
+        lines = reply.iter_lines()
+        next(lines)
+        begin = time.monotonic()
+        assert server.stop() == 0
+        assert "event: interrupted" in list(lines)
+    assert time.monotonic() - begin < 5.0
+
+
+def test_a_watcher_that_goes_away_leaves_the_job_running(server):
+    path = server.start_job(seeded(LONG, 59))
+    assert len(events(server, path, most=2)) == 2
+    assert server.await_job(path)["state"] == "done"

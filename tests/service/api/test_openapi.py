@@ -1,0 +1,104 @@
+"""The OpenAPI document says what is true: names and ranges of the catalogue, examples that work, and for any request a
+response that it describes.
+"""
+
+import os
+from collections import Counter
+from contextlib import suppress
+
+import pytest
+import schemathesis
+from http_server import Server
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis.errors import Unsatisfiable
+from schemathesis import checks
+from schemathesis.specs.openapi import checks as openapi_checks
+
+from service.catalogue import load_catalogue
+
+CASES = int(os.environ.get("SAMPLERSCOPE_TEST_CASES", "8"))
+"""Generated requests for each operation; `make bench` asks for many more."""
+
+CHECKS = (
+    checks.not_a_server_error,
+    openapi_checks.status_code_conformance,
+    openapi_checks.content_type_conformance,
+    openapi_checks.response_headers_conformance,
+    openapi_checks.response_schema_conformance,
+)
+
+
+@pytest.fixture(scope="module")
+def small_server(tmp_path_factory, _own_cache):
+    """A server whose limits keep what is generated small."""
+    running = Server(
+        tmp_path_factory.mktemp("server"), max_samples=10**7, max_cells=64, direct_limit_s=0.5, jobs_limit=10**6
+    )
+    yield running
+    running.stop()
+
+
+@pytest.fixture(scope="module")
+def document(small_server):
+    return small_server.client.get("/openapi.json").json()
+
+
+def test_models_techniques_and_formats_are_enums_and_parameters_have_ranges_and_meanings(document):
+    catalogue = load_catalogue()
+    found = {one["name"]: one for one in document["paths"]["/v1/statistics"]["get"]["parameters"]}
+    assert set(found["model"]["schema"]["enum"]) == set(catalogue.models)
+    assert set(found["techniques"]["schema"]["items"]["enum"]) == set(catalogue.techniques)
+    assert found["format"]["schema"]["enum"][0] == "json"
+    for entry in (*catalogue.models.values(), *catalogue.techniques.values()):
+        for name, parameter in entry.head.parameters.items():
+            assert found[name]["schema"]["items"]["minimum"] <= parameter.min
+            assert found[name]["schema"]["items"]["maximum"] >= parameter.max
+            assert found[name]["description"]
+    roughness = catalogue.models["eon"].head.parameters["roughness"]
+    assert roughness.help in found["roughness"]["description"]
+    scene = document["components"]["schemas"]["Scene"]
+    assert set(scene["properties"]["model"]["enum"]) == set(catalogue.models)
+    assert "roughness" in scene["properties"]["parameters"]["properties"]
+
+
+def test_the_examples_of_the_document_work(small_server, document):
+    operation = document["paths"]["/v1/statistics"]["get"]
+    query = {
+        one["name"]: ",".join(map(str, one["example"])) if isinstance(one["example"], list) else one["example"]
+        for one in operation["parameters"]
+        if "example" in one and one["name"] != "theta_o_deg"
+    }
+    assert {"model", "roughness", "techniques", "angles", "samples", "seed"} <= query.keys()
+    # On a server of small limits an example may become a job, but it is right.
+    assert small_server.client.get("/v1/statistics", params=query).status_code in (200, 202)
+    for path in ("/v1/statistics", "/v1/jobs"):
+        example = document["paths"][path]["post"]["requestBody"]["content"]["application/json"]["example"]
+        assert small_server.client.post(path, json=example).status_code in (200, 202)
+
+
+def test_every_response_to_generated_requests_is_one_the_document_describes(small_server):
+    schema = schemathesis.openapi.from_url(f"{small_server.url}/openapi.json")
+    operations = [result.ok() for result in schema.get_all_operations()]
+    sent = Counter()
+    for operation in operations:
+        for mode in schemathesis.GenerationMode:
+
+            @given(operation.as_strategy(generation_mode=mode))
+            @settings(
+                max_examples=CASES,
+                deadline=None,
+                derandomize=True,
+                database=None,
+                phases=[Phase.generate],
+                suppress_health_check=list(HealthCheck),
+            )
+            def conforms(case):
+                sent[case.operation.label] += 1
+                case.call_and_validate(base_url=small_server.url, checks=CHECKS, timeout=60)
+
+            # An operation without parameters has no wrong request.
+            with suppress(Unsatisfiable):
+                conforms()
+    assert len(sent) == len(operations) >= 14
+    assert sent["POST /v1/statistics"] >= 2 * CASES
+    print(f"{sent.total()} requests conform")

@@ -1,0 +1,159 @@
+"""What is wrong is told as a problem: every field, the value given, what is allowed; and never a traceback."""
+
+import asyncio
+import json
+
+import httpx
+import pytest
+from http_server import HUGE, LONG, SMALL
+
+
+def seeded(scene, seed):
+    return scene | {"estimator": scene["estimator"] | {"seed": seed}}
+
+
+def problem(reply, status):
+    """The problem of a reply, checked for what every problem has."""
+    assert reply.status_code == status, reply.text
+    assert reply.headers["content-type"] == "application/problem+json"
+    body = reply.json()
+    assert body["status"] == status
+    assert body["type"].startswith("urn:samplerscope:problem:")
+    assert body["request_id"] == reply.headers["x-request-id"]
+    assert body["title"]
+    assert body["detail"]
+    assert "Traceback" not in reply.text
+    return body
+
+
+def test_every_bad_field_of_a_scene_is_named_with_its_value_and_what_is_allowed(server):
+    scene = {
+        "model": "eon",
+        "parameters": {"roughness": [0.5, 7.0], "shininess": 3},
+        "techniques": ["cosine"],
+        "theta_o_deg": [10, 90],
+        "estimator": {"samples": 0, "seed": "x"},
+        "colour": "red",
+    }
+    errors = {error["field"]: error for error in problem(server.ask(scene), 422)["errors"]}
+    assert errors.keys() == {
+        "parameters.roughness",
+        "parameters.shininess",
+        "theta_o_deg.1",
+        "estimator.samples",
+        "estimator.seed",
+        "colour",
+    }
+    assert errors["parameters.roughness"]["value"] == 7.0
+    assert errors["parameters.roughness"]["allowed"] == "0 to 1"
+    assert errors["theta_o_deg.1"]["value"] == 90
+    assert "< 90" in errors["theta_o_deg.1"]["allowed"]
+
+
+def test_every_bad_field_of_a_link_is_named_too(server):
+    reply = server.client.get("/v1/statistics?model=eon&roughness=7&angles=0&bogus=1&format=jpg&seed=1&seed=2")
+    fields = {error["field"] for error in problem(reply, 422)["errors"]}
+    assert fields == {"parameters.roughness", "theta_o_deg.count", "bogus", "format", "seed"}
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "more", "status"),
+    [
+        ("GET", "/v1/nothing", {}, 404),
+        ("GET", "/v1/figures/none", {}, 404),
+        ("GET", "/v1/jobs/none", {}, 404),
+        ("DELETE", "/v1/jobs/none", {}, 404),
+        ("GET", "/v1/jobs/none/events", {}, 404),
+        ("GET", "/v1/jobs/none/result", {}, 404),
+        ("PUT", "/v1/statistics", {}, 405),
+        ("GET", "/v1/statistics?model=eon", {"headers": {"accept": "image/webp"}}, 406),
+        ("GET", "/v1/statistics?model=none", {}, 422),
+        ("GET", "/v1/statistics", {}, 422),
+        ("POST", "/v1/statistics", {"content": "model=eon"}, 415),
+        ("POST", "/v1/statistics", {"content": "{", "headers": {"content-type": "application/json"}}, 400),
+        ("POST", "/v1/statistics", {"content": "[" * 100_000, "headers": {"content-type": "application/json"}}, 400),
+        ("POST", "/v1/statistics", {"content": '{"model": NaN}', "headers": {"content-type": "application/json"}}, 400),
+        ("POST", "/v1/statistics", {"content": b"\xff\xfe{", "headers": {"content-type": "application/json"}}, 400),
+        ("POST", "/v1/statistics", {"json": []}, 422),
+        ("POST", "/v1/statistics", {"json": {"model": "\ud800"}}, 422),
+        ("POST", "/v1/statistics", {"json": {"model": "eon", "parameters": {"roughness": 1e400}}}, 422),
+        ("POST", "/v1/statistics", {"json": {"model": "eon", "estimator": {"samples": 10**30}}}, 422),
+        ("POST", "/v1/jobs", {"json": {"kind": "nothing", "scene": {}, "more": 1}}, 422),
+        ("POST", "/v1/jobs", {"json": {"kind": ["statistics"], "scene": None}}, 422),
+    ],
+)
+def test_bad_requests_are_problems_of_the_right_status(server, method, path, more, status):
+    if "json" in more:
+        body = json.dumps(more["json"]).replace("Infinity", "1e400")
+        more = {"content": body, "headers": {"content-type": "application/json"}}
+    problem(server.client.request(method, path, **more), status)
+
+
+@pytest.mark.parametrize("declared", [True, False])
+def test_a_body_above_the_limit_is_refused_whether_its_length_is_declared_or_not(start_server, declared):
+    server = start_server(max_body_bytes=1000)
+    content = b" " * 2000
+    more = {"headers": {"content-type": "application/json"}}
+    reply = server.client.post("/v1/statistics", content=content if declared else iter([content]), **more)
+    assert problem(reply, 413)["limit"] == 1000
+    assert server.ask(SMALL).status_code == 200
+
+
+def test_budgets_beyond_the_limits_tell_estimate_and_limit(start_server):
+    server = start_server(max_samples=10**6, max_cells=100)
+    samples = problem(server.ask(LONG), 422)
+    assert samples["type"].endswith(":over-budget")
+    assert samples["estimate"] == 4 * 16 * 1_000_000
+    assert samples["limit"] == 10**6
+    cells = problem(server.ask(SMALL | {"parameters": {"roughness": [k / 100 for k in range(51)]}}), 422)
+    assert (cells["estimate"], cells["limit"]) == (102, 100)
+    # A product of sweeps that would not fit into memory is refused before it is formed.
+    sweep = [k / 1000 for k in range(1000)]
+    huge = {"roughness": sweep, "albedo": sweep}
+    assert problem(server.ask(SMALL | {"parameters": huge}), 422)["estimate"] == 2e6
+
+
+def test_a_full_queue_is_503_and_too_many_of_one_client_429_with_retry_after(start_server):
+    server = start_server(queue_limit=2, client_limit=5, direct_limit_s=1e6, request_timeout_s=2.0)
+
+    async def fill(count, first):
+        async with httpx.AsyncClient(base_url=server.url, timeout=60) as client:
+            asked = [client.post("/v1/statistics", json=seeded(HUGE, first + k)) for k in range(count)]
+            return await asyncio.gather(*asked)
+
+    replies = asyncio.run(fill(5, 100))
+    kinds = sorted(problem(reply, 503)["type"].rpartition(":")[2] for reply in replies)
+    # Two wait, and one runs if the worker took it before the last came, until their time is up; the others find the
+    # queue full.
+    assert set(kinds) == {"queue-full", "timed-out"}
+    assert 2 <= kinds.count("queue-full") <= 3
+    assert all("retry-after" in reply.headers for reply in replies)
+    many = start_server(client_limit=3, direct_limit_s=1e6, request_timeout_s=2.0, data_dir=server.folder / "other")
+    server = many
+    replies = asyncio.run(fill(8, 200))
+    assert sorted({reply.status_code for reply in replies}) == [429, 503]
+    refused = [reply for reply in replies if reply.status_code == 429]
+    assert len(refused) == 5
+    assert all(int(reply.headers["retry-after"]) >= 1 for reply in refused)
+
+
+def test_an_error_inside_the_service_tells_the_client_nothing_but_an_id_that_is_in_the_log(server):
+    """The worker is given a scene that the server would never let through, by way of a job."""
+    from service.api.problems import problem_of
+    from service.worker.lane import WorkerError
+
+    description = {"tree": ["ValueError", "Exception"], "message": "", "problems": [], "trace": "secret path"}
+    body, _ = problem_of(WorkerError(description))
+    assert body["status"] == 500
+    assert "secret" not in json.dumps(body)
+
+
+def test_the_request_id_of_a_client_is_kept_and_stands_in_the_log(server):
+    reply = server.client.get("/v1/jobs/none", headers={"x-request-id": "my-id_1.2"})
+    assert problem(reply, 404)["request_id"] == "my-id_1.2"
+    made_up = server.client.get("/v1/jobs/none", headers={"x-request-id": "bad id!"})
+    assert made_up.headers["x-request-id"] != "bad id!"
+    wanted = {"my-id_1.2", made_up.headers["x-request-id"]}
+    logged = [line for line in server.lines() if line.get("request_id") in wanted]
+    assert {line["request_id"] for line in logged} == wanted
+    assert all(line["status"] == 404 and line["path"] == "/v1/jobs/none" for line in logged)
