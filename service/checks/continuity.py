@@ -18,6 +18,9 @@ Array = NDArray[Any]
 JUMP = 1e-3
 """A jump counts above this share of the value, where it does not shrink with the distance."""
 
+FAINT = 1e-9
+"""Values below it (1/sr) carry no light; they are compared absolutely."""
+
 SHARE = 5e-3
 _SEAMS = (0.0, 0.25, 0.5, 0.75)
 _FAR, _NEAR = 1e-7, 1e-10
@@ -70,7 +73,7 @@ def _jump(before: Array, after: Array) -> Array:
     """Relative difference; a NaN on one side only is a jump."""
     scale = np.maximum(np.abs(before), np.abs(after))
     with np.errstate(invalid="ignore"):
-        relative = np.abs(before - after) / np.maximum(scale, 1e-30)
+        relative = np.abs(before - after) / np.maximum(scale, FAINT)
     return np.where(np.isnan(before) != np.isnan(after), 1.0, np.nan_to_num(relative, nan=0.0, posinf=1.0))
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -22,6 +22,8 @@ Integrands = Callable[[Array, Array], Array]
 """Called with directions (n, 3) and the cell of each (n,): the values of k integrands, (k, n)."""
 
 TURN = 2 * np.pi
+WIDEST = np.pi / 12
+"""Azimuths that a first box spans at the most: a lobe at the edge of a wide and flat box would be missed."""
 
 
 @dataclass(frozen=True)
@@ -50,13 +52,20 @@ class Boxes:
 
 
 def cut(boxes: Boxes, area: float) -> Boxes:
-    """The same boxes in pieces of at most this area, finer towards the horizon: no rule should miss a feature there."""
+    """The same boxes in pieces of at most this area and width, finer towards the horizon: no rule should miss a feature."""
     for edge in ("t0", "t1"):
         touching = getattr(boxes, edge) == 1.0
         boxes = _concatenate([boxes[~touching], *_graded(boxes[touching], edge)])
+    while (wide := boxes.p1 - boxes.p0 > WIDEST).any():
+        boxes = _concatenate([boxes[~wide], *_halves(boxes[wide])])
     while (large := (boxes.t1 - boxes.t0) * (boxes.p1 - boxes.p0) > area).any():
         boxes = _concatenate([boxes[~large], boxes[large].quarters()])
     return boxes
+
+
+def _halves(boxes: Boxes) -> list[Boxes]:
+    middle = 0.5 * (boxes.p0 + boxes.p1)
+    return [replace(boxes, p1=middle), replace(boxes, p0=middle)]
 
 
 def _graded(boxes: Boxes, edge: str) -> list[Boxes]:

@@ -1,7 +1,7 @@
 """Counts false alarms of the quick battery on correct techniques: `python -m tests.benchmarks.false_alarms [SEEDS]`.
 
-The stated rate of chance alarms is 3e-5 a battery run (three statistical checks at 1e-5); the battery must stay below one
-alarm in 1,000 seeds. With no alarm in n runs, the rate is below 3/n at 95 % confidence.
+The stated rate of chance alarms is 3e-5 a battery run (three statistical checks at 1e-5); the battery must stay below
+one alarm in 1,000 seeds. With no alarm in n runs, the rate is below 3/n at 95 % confidence.
 """
 
 from __future__ import annotations
