@@ -92,10 +92,14 @@ def check_finite(probe: Probe, points: Points) -> Outcome:
     a, b = points.single, points.double
     bad: Array = ~np.asarray(np.isfinite(a.wi).all(axis=1))
     beyond: Array = np.zeros(len(bad), np.bool_)
+    without_float32: Array = np.zeros(len(bad), np.bool_)
     for name in ("pdf", "direction_pdf", "brdf", "weight"):
         single, double = getattr(a, name), getattr(b, name)
         # An infinite or huge truth has no float32; a NaN in double precision is no truth.
         excused = np.isinf(single) & ((np.abs(double) > FLOAT32_MAX) | np.isinf(double))
+        if name == "weight":  # a ratio of values that have no float32 has none either
+            excused = without_float32 & ~np.isfinite(single) & ~np.isnan(double)
+        without_float32 = without_float32 | excused
         bad = bad | (~np.isfinite(single) & ~excused)
         beyond = beyond | excused
     names = [

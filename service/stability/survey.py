@@ -158,7 +158,13 @@ def _special_directions(wo: Array, which: Array) -> Array:
 def compare(points: Points, single: Values, double: Values, given: tuple[str, ...]) -> list[Comparison]:
     """The quantities of these points: of drawn ones direction, pdf and weight, else those in `given`."""
     if points.drawn:
-        return [_direction(single.wi, double.wi), *(_scalar(name, single, double) for name in ("pdf", "weight"))]
+        pdf, brdf, weight = (_scalar(name, single, double) for name in ("pdf", "brdf", "weight"))
+        # A ratio of values that have no float32 has none either.
+        without = weight.beyond | pdf.beyond | brdf.beyond
+        weight = replace(
+            weight, beyond=without, nonfinite=weight.nonfinite & ~without, ulp=np.where(without, 0.0, weight.ulp)
+        )
+        return [_direction(single.wi, double.wi), pdf, weight]
     return [_scalar(name, single, double) for name in given]
 
 
