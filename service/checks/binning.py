@@ -7,6 +7,7 @@ bins of equal weight without anyone telling where it is.
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -23,9 +24,12 @@ EXPECTED_AT_LEAST = 20.0
 
 @dataclass(frozen=True)
 class Tree:
-    """Leaves of one cell: boxes (leaves, 4) as t0, t1, p0, p1; hits of the counted sample; each sample's leaf."""
+    """Leaves of one cell: boxes (leaves, 4) as t0, t1, p0, p1; the extent of the directions in each, likewise; hits of
+    the counted sample; each sample's leaf.
+    """
 
     boxes: Array
+    extents: Array
     hits: Array
     leaf: Array
 
@@ -33,6 +37,7 @@ class Tree:
 def partition(t: Array, phi: Array, pilot: int, depth: int) -> Tree:
     """Split by the first `pilot` directions, count the others. The horizon is always a border."""
     boxes: list[tuple[float, float, float, float]] = []
+    extents: list[tuple[float, float, float, float]] = []
     hits: list[int] = []
     leaf = np.full(len(t), -1, np.int64)
 
@@ -46,6 +51,8 @@ def partition(t: Array, phi: Array, pilot: int, depth: int) -> Tree:
         if level >= depth or len(first) < 8 or not low < middle < high:
             leaf[rows] = len(boxes)
             boxes.append(box)
+            held = len(rows) > 1
+            extents.append((*_extent(t[rows]), *_extent(phi[rows])) if held else box)
             hits.append(int(np.count_nonzero(rows >= pilot)))
             return
         below = (t if by_t else phi)[rows] < middle
@@ -58,15 +65,50 @@ def partition(t: Array, phi: Array, pilot: int, depth: int) -> Tree:
     above = t <= 1.0
     split(np.flatnonzero(above), (0.0, 1.0, 0.0, TURN), 0)
     split(np.flatnonzero(~above), (1.0, 2.0, 0.0, TURN), 0)
-    return Tree(np.array(boxes), np.array(hits, float), leaf)
+    return Tree(np.array(boxes), np.array(extents), np.array(hits, float), leaf)
+
+
+def _extent(values: Array) -> tuple[float, float]:
+    return float(values.min()), float(values.max())
 
 
 def boxes_of(trees: list[Tree]) -> Boxes:
-    """The leaves of all cells as boxes; the bin is the leaf's number."""
-    t0, t1, p0, p1 = np.concatenate([tree.boxes for tree in trees]).T
-    cell = np.concatenate([np.full(len(tree.boxes), i) for i, tree in enumerate(trees)])
-    number = np.concatenate([np.arange(len(tree.boxes)) for tree in trees])
-    return Boxes(t0, t1, p0, p1, cell, number)
+    """The leaves of all cells in boxes for quadrature; the bin is the leaf's number.
+
+    A leaf at the rim of a narrow lobe is large, and its density lies in a corner. So it is cut at the extent of the
+    directions in it, and from there in pieces that double in size up to its border.
+    """
+    columns: list[tuple[float, float, float, float, int, int]] = []
+    for cell, tree in enumerate(trees):
+        for number, (box, extent) in enumerate(zip(tree.boxes.tolist(), tree.extents.tolist(), strict=True)):
+            heights = _graded(box[0], extent[0], extent[1], box[1])
+            widths = _graded(box[2], extent[2], extent[3], box[3])
+            columns += [
+                (t0, t1, p0, p1, cell, number)
+                for t0, t1 in itertools.pairwise(heights)
+                for p0, p1 in itertools.pairwise(widths)
+            ]
+    t0, t1, p0, p1, cells, numbers = np.array(columns).T
+    return Boxes(t0, t1, p0, p1, cells.astype(np.int64), numbers.astype(np.int64))
+
+
+def _graded(low: float, first: float, last: float, high: float) -> list[float]:
+    """Borders from low to high: first and last, and steps that double from there outwards."""
+    step = max(last - first, 1e-9 * (high - low))
+    # Slivers are not worth a box: the extent ends at the border then.
+    first = low if first - low < 0.5 * step else first
+    last = high if high - last < 0.5 * step else last
+    below, above = [first], [last]
+    while below[-1] > low:
+        below.append(max(low, first - step * (2.0 ** len(below) - 1.0)))
+        if below[-1] - low < 0.5 * step:
+            below[-1] = low
+    while above[-1] < high:
+        above.append(min(high, last + step * (2.0 ** len(above) - 1.0)))
+        if high - above[-1] < 0.5 * step:
+            above[-1] = high
+    borders = [*reversed(below), *above]
+    return list(dict.fromkeys(borders))
 
 
 @dataclass(frozen=True)

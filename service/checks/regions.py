@@ -52,7 +52,7 @@ class Boxes:
 
 
 def cut(boxes: Boxes, area: float) -> Boxes:
-    """The same boxes in pieces of at most this area and width, finer towards the horizon: no feature should be missed."""
+    """The same boxes in pieces of at most this area and width, finer towards the horizon, so that nothing is missed."""
     for edge in ("t0", "t1"):
         touching = getattr(boxes, edge) == 1.0
         boxes = _concatenate([boxes[~touching], *_graded(boxes[touching], edge)])

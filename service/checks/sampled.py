@@ -124,7 +124,8 @@ def check_normalisation(probe: Probe, s: Sampled) -> Outcome:
     share = np.array([c.mean() for c in s.counted])
     n = len(s.counted[0])
     chance = np.array([_bernstein(x * (1 - x), 1.0, n, FALSE_ALARM / len(share)) if x < 1 else 0.0 for x in share])
-    excess = np.abs(integral - share) - chance - 2 * error - NORMALISATION
+    # The error estimate is the last difference of two levels; next to a pole of the density more than that is left.
+    excess = np.abs(integral - share) - chance - 4 * error - NORMALISATION
     power = (
         f"{len(share)} settings and views; an integral off by more than {NORMALISATION + float(np.median(chance)):.1g}"
     )

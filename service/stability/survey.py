@@ -180,7 +180,7 @@ def _scalar(name: str, single: Values, double: Values) -> Comparison:
 
 def last_place(truth: Array) -> Array:
     """Spacing of float32 at these values, float64."""
-    size = np.clip(np.nan_to_num(np.abs(truth), posinf=FLOAT32_MAX), SMALLEST, FLOAT32_MAX)
+    size = np.clip(np.nan_to_num(np.abs(truth), posinf=FLOAT32_MAX), SMALLEST, 0.5 * FLOAT32_MAX)
     return np.asarray(np.spacing(size.astype(np.float32)).astype(np.float64))
 
 
