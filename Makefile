@@ -32,6 +32,9 @@ figures: setup  ## every figure of the papers, as PNG, SVG, Vega-Lite and JSON i
 test: setup  ## prove it right, on the real driver
 	$(BIN)/pytest
 
+bench: setup  ## speed and calibration beside NumPy, Numba, Dr.Jit and C++, brought on demand; minutes
+	$(BIN)/python tests/benchmarks/run.py
+
 lint: setup  ## style and types
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .

@@ -1,8 +1,9 @@
 // Values of the throughput weight at the nodes of a quadrature rule over the (u1, u2) square of a technique. A
-// workgroup does one panel, a rectangle with 8 x 8 Gauss-Legendre nodes; the host sums in double precision.
+// workgroup does a few panels, each a rectangle with 8 x 8 Gauss-Legendre nodes; the host sums in double precision.
 layout(local_size_x = 64) in;
 
 const uint NODES = 64u;
+const uint PANELS_PER_GROUP = 8u; // a group costs the driver as much as half a panel
 
 struct Cell {
     vec4 view; // wo
@@ -23,22 +24,28 @@ layout(std430, set = 0, binding = 3) readonly buffer Nodes { vec2 nodes[]; };   
 layout(std430, set = 0, binding = 4) writeonly buffer Weights { float weights[]; }; // panel x node; NaN for a bad sample
 layout(std430, set = 0, binding = 5) writeonly buffer Splits { float splits[]; };   // one a cell
 
+layout(push_constant) uniform Launch { uint count; };
+
 #include "variant/load_parameters.glsl"
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
-    Panel panel = panels[gl_WorkGroupID.x];
-    uint cell = panel.cell.x;
-    vec3 wo = cells[cell].view.xyz;
-    load_parameters(cell);
+    uint first = gl_WorkGroupID.x * PANELS_PER_GROUP;
+    uint end = min(first + PANELS_PER_GROUP, count);
+    for (uint i = first; i < end; i++) {
+        Panel panel = panels[i];
+        uint cell = panel.cell.x;
+        vec3 wo = cells[cell].view.xyz;
+        load_parameters(cell);
 
-    float split = U1_SPLIT;
-    split = split > 0.0 && split < 1.0 ? split : 0.0;
-    vec2 u = panel.corner.xy + panel.corner.zw * nodes[lane];
-    u.x = panel.cell.y == 1u ? split + (1.0 - split) * u.x : split * u.x;
-    DirectionSample s = technique_sample_direction(wo, min(u, vec2(ONE_MINUS_EPSILON)));
-    float weight = throughput_weight(s, wo);
-    bool bad = is_nonfinite(weight + (s.pdf + (s.wi.x + s.wi.y + s.wi.z)));
-    weights[gl_WorkGroupID.x * NODES + lane] = bad ? uintBitsToFloat(0x7fc00000u) : weight;
-    if (lane == 0u) splits[cell] = split;
+        float split = U1_SPLIT;
+        split = split > 0.0 && split < 1.0 ? split : 0.0;
+        vec2 u = panel.corner.xy + panel.corner.zw * nodes[lane];
+        u.x = panel.cell.y == 1u ? split + (1.0 - split) * u.x : split * u.x;
+        DirectionSample s = technique_sample_direction(wo, min(u, vec2(ONE_MINUS_EPSILON)));
+        float weight = throughput_weight(s, wo);
+        bool bad = is_nonfinite(weight + (s.pdf + (s.wi.x + s.wi.y + s.wi.z)));
+        weights[i * NODES + lane] = bad ? uintBitsToFloat(0x7fc00000u) : weight;
+        if (lane == 0u) splits[cell] = split;
+    }
 }

@@ -145,7 +145,8 @@ class Services:
         else:
             estimate = await self.estimate(asked)
             patient = "respond-async" in request.headers.get("prefer", "")
-            if patient or estimate.seconds > self.settings.direct_limit_s:
+            # What cannot give way to others never stands before small questions.
+            if patient or not KINDS[kind].resumable or estimate.seconds > self.settings.direct_limit_s:
                 return accepted(await self.jobs.submit(asked, estimate))
             answered = await unless_gone(request, self.answers.compute(asked, client))
             stored = answered.stored

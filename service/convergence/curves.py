@@ -23,8 +23,8 @@ Array = NDArray[np.float64]
 TOLERANCES = tuple(10.0 ** (-k / 2) for k in range(1, 11))
 """What the quadrature is asked for, one point of its curve each: 0.3 to 1e-5."""
 
-RULE_REPEATS = 2
-"""A quadrature takes a fraction of a millisecond; the quicker of two runs is the one that nothing disturbed."""
+RULE_REPEATS = 3
+"""A quadrature takes a fraction of a millisecond; the quickest of three runs is the one that nothing disturbed."""
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import numpy as np
 
 from service.convergence.cost import Cost
 from service.convergence.scene import ConvergenceScene
-from service.convergence.truth import relative_variances
+from service.convergence.truth import Array, relative_variances
 from service.engine import Engine
 from service.scene import Question, SeriesPlan
 
@@ -24,7 +24,7 @@ def efficiency_table(question: Question, engine: Engine, costs: Mapping[str, Cos
     """The table over ANGLES_DEG and the parameters that the techniques read; arrays are (rows, techniques, angles).
 
     `efficiency` is in 1/s: the inverse of relative variance times the seconds of a call. It is null where the variance
-    is infinite. `winner` and `lead` (over the second) are (rows, angles).
+    is infinite. `winner` and `lead` (over the second) are (rows, angles), null where there is no first or no second.
     """
     scene: ConvergenceScene = question.scene.model_copy(update={"theta_o_deg": ANGLES_DEG})  # type: ignore[assignment]
     plans: dict[str, SeriesPlan] = {}
@@ -39,16 +39,24 @@ def efficiency_table(question: Question, engine: Engine, costs: Mapping[str, Cos
         relative = np.maximum(variance / mean**2, LEAST_RELATIVE_VARIANCE)
         columns.append(1e9 / (relative * costs[name].call_ns))
     table = np.stack(columns, axis=1)
-    order = np.sort(table, axis=1)[:, ::-1]
-    names = np.array(list(plans))
+    names = list(plans)
     return {
         "parameters": rows,
         "techniques": list(plans),
         "theta_o_deg": ANGLES_DEG,
         "efficiency": [[[_value(x) for x in angles] for angles in row] for row in table],
-        "winner": names[np.argmax(table, axis=1)].tolist(),
-        "lead": (order[:, 0] / np.maximum(order[:, 1], 1e-300)).tolist() if len(plans) > 1 else None,
+        "winner": [[_winner(names, column) for column in row.T] for row in table],
+        "lead": [[_lead(column) for column in row.T] for row in table],
     }
+
+
+def _winner(names: Sequence[str], efficiencies: Array) -> str | None:
+    return names[int(np.argmax(efficiencies))] if efficiencies.max() > 0 else None
+
+
+def _lead(efficiencies: Array) -> float | None:
+    ordered = np.sort(efficiencies)[::-1]
+    return float(ordered[0] / ordered[1]) if len(ordered) > 1 and ordered[1] > 0 else None
 
 
 def _value(x: float) -> float | None:

@@ -15,7 +15,7 @@ show; times closer than this are not distinguishable, whatever their intervals."
 
 @dataclass(frozen=True)
 class Contender:
-    """A technique at one angle: its time to the target with an interval, in ms; None where it never reaches it."""
+    """A technique at one angle: its time to the target with an interval, in ms; None where there is none."""
 
     technique: str
     time_ms: float | None
@@ -26,7 +26,8 @@ def rank(contenders: Sequence[Contender]) -> dict[str, Any]:
     """Order by time to the target, the fastest first.
 
     `distinguishable` is true where no two neighbours have times that overlap; `tied` names the neighbours that do, and
-    `never` those that do not reach the target. `lead` is the second time over the first.
+    `unranked` those without a time: they never reach the target, or have an infinite variance. `lead` is the second
+    time over the first.
     """
     able = sorted((c for c in contenders if c.time_ms is not None), key=lambda c: (c.time_ms, c.technique))
     tied = [[a.technique, b.technique] for a, b in pairwise(able) if not separate(a, b)]
@@ -35,7 +36,7 @@ def rank(contenders: Sequence[Contender]) -> dict[str, Any]:
         "order": [c.technique for c in able],
         "distinguishable": len(able) > 1 and not tied,
         "tied": tied,
-        "never": [c.technique for c in contenders if c.time_ms is None],
+        "unranked": [c.technique for c in contenders if c.time_ms is None],
         "lead": times[1] / times[0] if len(times) > 1 else None,
     }
 

@@ -27,7 +27,9 @@ LEAST_STEPS = 6  # before a growing variance is called infinite
 NARROWEST = 2.0**-20  # of its place: float32 would not tell the nodes of a narrower panel apart
 SMALLEST = 2.0**-100  # at 0, where float32 is fine, panels may be this small
 
-DAMPING = 2.0  # with 2, no cell of the catalogue has an error above the one stated; see the tests
+COHERENCE = 4.0
+AVERAGED = 1.0
+DAMPING = 3.0  # with these three, no cell of the catalogue has an error above the one stated; see the tests
 
 _points, _weights = np.polynomial.legendre.leggauss(SIDE)
 POINTS = 0.5 * (_points + 1.0)
@@ -201,9 +203,11 @@ def _roughness(values: Array) -> tuple[Array, Array]:
     than those of degree 2 to 4, stand for all that it misses. For a kink that is about right, for a smooth integrand
     far too much. Three degrees, because for some places of a kink one or two of them vanish.
     """
-    coefficients = np.abs(_LEGENDRE @ values.reshape(-1, SIDE, SIDE) @ _LEGENDRE.T)
+    coefficients = _LEGENDRE @ values.reshape(-1, SIDE, SIDE) @ _LEGENDRE.T
     out = []
-    for along in (coefficients.sum(axis=2), coefficients.sum(axis=1)):
+    for modes in (coefficients, coefficients.swapaxes(1, 2)):
+        # The rest of each row has errors of any sign, which the other rows average.
+        along = np.abs(modes[:, :, 0]) + AVERAGED * np.sqrt(np.sum(modes[:, :, 1:] ** 2, axis=2))
         high, low = along[:, 5:].sum(axis=1), along[:, 2:5].sum(axis=1)
         out.append(high * np.minimum(1.0, DAMPING * high / np.maximum(low, 1e-300)))
     return out[0], out[1]
@@ -233,12 +237,21 @@ def _errors(panels: Panels, sums: _Sums, cells: int) -> _Errors:
     scale = np.maximum(np.abs(powers[0]), np.sqrt(np.maximum(powers[1], 1e-300)))[panels.cell]
     return _Errors(
         powers=powers,
-        mean=_cell_sums(panels.cell, mean, cells),
-        variance=_cell_sums(panels.cell, variance, cells),
+        mean=_combined(_cell_sums(panels.cell, mean, cells), _cell_sums(panels.cell, mean**2, cells)),
+        variance=_combined(_cell_sums(panels.cell, variance, cells), _cell_sums(panels.cell, variance**2, cells)),
         panel_mean=mean,
         panel_variance=variance,
         along=second + scale * first,
     )
+
+
+def _combined(total: Array, squares: Array) -> Array:
+    """The error bound of many panels: their sum, or COHERENCE times the root of the sum of squares, if less.
+
+    Along a kink that lies aslant, errors of panels differ in sign; along one that is parallel to an axis they do not,
+    but those are few.
+    """
+    return np.asarray(np.minimum(total, COHERENCE * np.sqrt(squares)))
 
 
 def _worst(panels: Panels, error: _Errors, target: Array, mean_target: Array) -> NDArray[np.bool_]:
@@ -246,12 +259,17 @@ def _worst(panels: Panels, error: _Errors, target: Array, mean_target: Array) ->
     cut = np.zeros(len(panels), bool)
     for one, limit in ((error.panel_variance, target), (error.panel_mean, mean_target)):
         order = np.lexsort((one, panels.cell))
-        running = np.cumsum(one[order])
         cell = panels.cell[order]
         starts = np.searchsorted(cell, np.arange(len(limit)))
-        before = np.where(starts > 0, running[np.maximum(starts, 1) - 1], 0.0)
-        cut[order] |= running - before[cell] > 0.5 * limit[cell]
+        left = _combined(_running(one[order], starts, cell), _running(one[order] ** 2, starts, cell))
+        cut[order] |= left > 0.5 * limit[cell]
     return cut
+
+
+def _running(values: Array, starts: Integers, cell: Integers) -> Array:
+    """Running sums of values sorted by cell, each cell's beginning anew at its start."""
+    sums = np.concatenate([[0.0], np.cumsum(values)])
+    return np.asarray(np.maximum(sums[1:] - sums[starts][cell], 0.0))
 
 
 def _divisible(panels: Panels) -> NDArray[np.bool_]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 import time
 from types import TracebackType
 
@@ -22,6 +23,7 @@ LEAST_VARIANCE = 1e-9
 MOST_NODES = 1 << 17
 """Nodes for one cell, at the most, unless `samples` allows more."""
 Bools = NDArray[np.bool_]
+_PANELS_PER_GROUP = 8  # the same constant stands in shaders/quadrature.comp
 _CHUNK = 16384  # panels in a dispatch: a million nodes
 _PANEL = np.dtype([("cell", "<u4", 4), ("corner", "<f4", 4)])
 
@@ -129,7 +131,9 @@ class _Evaluator:
         self._run(1)
 
     def _run(self, count: int) -> int:
-        return self._device.run(self._pipeline, self._buffers, (count, 1, 1), timeout_s=TIMEOUT_S).total_ns
+        groups = (-(-count // _PANELS_PER_GROUP), 1, 1)
+        constants = struct.pack("<I", count)
+        return self._device.run(self._pipeline, self._buffers, groups, constants, timeout_s=TIMEOUT_S).total_ns
 
     @property
     def _buffers(self) -> list[Buffer]:

@@ -79,9 +79,9 @@ def _by_angle(series: Sequence[Mapping[str, Any]], target: float, across: str, t
     angles = series[0]["theta_o_deg"]
     panels: list[list[Row]] = [
         [
-            {"technique": _name(one, series), "x": x, "error": row[at]}
+            {"technique": _name(one, series), "x": x, "error": row[at], "number": number}
             for one in series
-            for x, row in zip(one[across], one["relative_rmse"], strict=True)
+            for number, (x, row) in enumerate(zip(one[across], one["relative_rmse"], strict=True))
             if drawable(row[at])
         ]
         for at in range(len(angles))
@@ -113,11 +113,11 @@ def _by_technique(series: Sequence[Mapping[str, Any]], column: str, title: str) 
     groups: dict[str, list[Row]] = {}
     for one in mine:
         rows = groups.setdefault(_name(one, mine), [])
-        for x, errors in zip(one["device_ms"], one[column], strict=True):
+        for number, (x, errors) in enumerate(zip(one["device_ms"], one[column], strict=True)):
             finite = [error for error in errors if error is not None]
             value = math.sqrt(sum(error**2 for error in finite) / len(finite)) if finite else None
             if drawable(value):
-                rows.append({"estimator": ESTIMATORS[one["estimator"]], "x": x, "error": value})
+                rows.append({"estimator": ESTIMATORS[one["estimator"]], "x": x, "error": value, "number": number})
     x, y = _axes([row for rows in groups.values() for row in rows], "device time for one angle (ms)", title, None)
     charts = [
         alt.LayerChart(
@@ -160,5 +160,5 @@ def _curve(rows: Sequence[Row], x: alt.X, y: alt.Y, lines: Lines) -> alt.Chart:
         alt.Tooltip("error:Q", format=".3~g"),
     ]
     mark = alt.Chart(alt.InlineData(values=list(rows))).mark_line(strokeWidth=1.8, clip=True, point={"size": 14})
-    chart: alt.Chart = mark.encode(x=x, y=y, color=lines.colour(), tooltip=tooltip, **lines.dash())
+    chart: alt.Chart = mark.encode(x=x, y=y, color=lines.colour(), tooltip=tooltip, order="number:Q", **lines.dash())
     return chart

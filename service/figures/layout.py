@@ -88,8 +88,9 @@ class Sheet:
         if counts:
             low, high = min(counts), max(counts)
             facts.append(f"{low:,} samples per angle" if low == high else f"{low:,} to {high:,} samples per angle")
-        if estimator.get("method") not in (None, "mc"):
-            facts.append(str(estimator["method"]))
+        methods = list(dict.fromkeys(one.method for one in self.series))
+        if methods != ["mc"]:
+            facts.append(", ".join(methods))
         if estimator.get("seed") is not None:
             facts.append(f"seed {estimator['seed']}")
         if (self.result.get("run") or {}).get("device"):

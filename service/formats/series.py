@@ -21,7 +21,7 @@ STATISTICS = (
 )
 """The columns of a series, in the order they are written."""
 
-REFERENCE = ("mean", "albedo", "variance", "variance_stderr", "max_weight")
+REFERENCE = ("mean", "mean_error", "albedo", "variance", "variance_error", "variance_stderr", "max_weight")
 """The columns of a series' reference, in the order they are written."""
 
 
@@ -50,6 +50,11 @@ class Series:
     def theta_o_deg(self) -> list[float]:
         """View angles in degrees."""
         return list(self.raw["theta_o_deg"])
+
+    @property
+    def method(self) -> str:
+        """The estimator that was used: mc, qmc or quadrature."""
+        return str((self.raw.get("estimator") or {}).get("method") or "mc")
 
     @property
     def verdict(self) -> Mapping[str, Any]:

@@ -22,11 +22,14 @@ def legend(series: Sequence[Series], names: Mapping[str, str], width: int) -> st
     lines = []
     if any(one.values(name) for one in series for name in ("mean_stderr", "variance_stderr")):
         lines.append("0.9923(4): 0.9923 with a standard error of 0.0004.")
+    if any(one.method == "quadrature" for one in series):
+        lines.append("quadrature: in place of standard errors, bounds of the error; samples are nodes, at the most.")
     if any(one.values("max_weight") and (one.reference("max_weight") or any(one.unbounded_weight)) for one in series):
         lines.append("12.3 / 57.3: the largest sampled weight, and the largest there is.")
     endless = [one for one in series if one.values("variance") and any(one.infinite_variance)]
-    if endless:
+    if any(one.method != "quadrature" for one in endless):
         lines.append("inf [8.21]: the variance is infinite; 8.21 is what this run sampled and has no limit.")
+    if endless:
         lines += [text for text in (_tail(one, names) for one in endless) if text]
     return "\n".join(row for line in lines for row in textwrap.wrap(line, width, subsequent_indent=_INDENT))
 
@@ -45,6 +48,9 @@ def summary(series: Sequence[Series], names: Mapping[str, str], width: int) -> s
     """Return a line for each series (samples, time, speed, verdict), the messages of its findings below it."""
     head = ["series", "samples per angle", "nonfinite", "device ms", "Msamples/s", "verdict"]
     rows = [head, *(_summary_row(one, names) for one in series)]
+    if any(one.method != "mc" for one in series):
+        for row, word in zip(rows, ["estimator", *(one.method for one in series)], strict=True):
+            row.insert(1, word)
     sizes = [max(len(row[index]) for row in rows) for index in range(len(head))]
     lines = []
     for row, one in zip(rows, [None, *series], strict=True):
@@ -61,7 +67,8 @@ def _summary_row(one: Series, names: Mapping[str, str]) -> list[str]:
     samples = [value for value in one.values("samples") or [] if value is not None]
     nonfinite = one.values("nonfinite")
     elapsed = one.raw.get("device_ms")
-    speed = f"{sum(samples) / elapsed / 1e3:.1f}" if elapsed and samples else "-"
+    known = elapsed and samples and one.method != "quadrature"
+    speed = f"{sum(samples) / elapsed / 1e3:.1f}" if known else "-"
     return [
         name_of(one, names),
         _span(samples),

@@ -12,7 +12,6 @@ import socket
 import threading
 import time
 import traceback
-from importlib.metadata import version
 from typing import Any
 
 from lavapipe import LavapipeError
@@ -101,5 +100,4 @@ def _described(error: Exception) -> dict[str, Any]:
         "message": str(error) if known else "",
         "problems": [{"field": p.field, "value": repr(p.value), "allowed": p.allowed} for p in problems],
         "trace": "" if problems else "".join(traceback.format_exception(error)),
-        "version": version("samplerscope"),
     }

@@ -6,9 +6,9 @@ import asyncio
 import contextlib
 import logging
 import os
+import signal
 import socket
 import sys
-from dataclasses import dataclass
 from typing import Any
 
 from service.errors import SamplerscopeError
@@ -16,6 +16,7 @@ from service.worker import protocol
 from service.worker.protocol import Message
 
 START_S = 60.0
+_LOG_BYTES = 1 << 16
 _log = logging.getLogger("samplerscope.worker")
 
 
@@ -27,14 +28,17 @@ class WorkerLost(SamplerscopeError):
     """The worker ended, or was ended because it hung, while it worked on this."""
 
 
-@dataclass
 class WorkerProcess:
     """A running worker that has said hello. `device` is what it found: name, driver, threads; None without one."""
 
-    process: asyncio.subprocess.Process
-    reader: asyncio.StreamReader
-    writer: asyncio.StreamWriter
-    device: dict[str, Any] | None
+    def __init__(
+        self, process: asyncio.subprocess.Process, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
+    ) -> None:
+        self.process = process
+        self.reader = reader
+        self.writer = writer
+        self.device: dict[str, Any] | None = None
+        self._log_copy = asyncio.create_task(self._copy_log())
 
     @classmethod
     async def start(cls, *, with_device: bool, nice: int) -> WorkerProcess:
@@ -57,8 +61,7 @@ class WorkerProcess:
         with contextlib.suppress(OSError):
             os.setpriority(os.PRIO_PROCESS, process.pid, os.getpriority(os.PRIO_PROCESS, 0) + nice)
         reader, writer = await asyncio.open_connection(sock=ours)
-        worker = cls(process, reader, writer, None)
-        worker._log_task = asyncio.create_task(worker._copy_log())
+        worker = cls(process, reader, writer)
         try:
             async with asyncio.timeout(START_S):
                 await worker._await_hello()
@@ -85,20 +88,19 @@ class WorkerProcess:
             self.writer.write(message.packed())
 
     async def end(self) -> None:
-        """Kill the process, wait for it and close the socket."""
-        with contextlib.suppress(ProcessLookupError):
-            self.process.kill()
+        """Kill the process with what it started (a compiler), wait for it and close the socket."""
+        if self.process.returncode is None:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(self.process.pid, signal.SIGKILL)
         await self.process.wait()
         self.writer.close()
         with contextlib.suppress(ConnectionError):
             await self.writer.wait_closed()
-        await self._log_task
-
-    _log_task: asyncio.Task[None] = None  # type: ignore[assignment]
+        await self._log_copy
 
     async def _copy_log(self) -> None:
         """What the driver and the interpreter print becomes lines of the server's log."""
         assert self.process.stderr is not None
-        with contextlib.suppress(ValueError):
-            async for line in self.process.stderr:
-                _log.warning(line.decode(errors="replace").rstrip(), extra={"worker": self.process.pid})
+        while chunk := await self.process.stderr.read(_LOG_BYTES):
+            for line in chunk.decode(errors="replace").splitlines():
+                _log.warning("%s", line, extra={"worker": self.process.pid})

@@ -25,6 +25,14 @@ LISTED = 100
 def router(services: Services) -> APIRouter:
     """Routes of jobs."""
     routes = APIRouter(tags=["jobs"])
+    _add_collection(routes, services)
+    _add_job(routes, services)
+    _add_outcome(routes, services)
+    return routes
+
+
+def _add_collection(routes: APIRouter, services: Services) -> None:
+    """Start a job, and list them."""
 
     @routes.post(
         "/v1/jobs",
@@ -49,6 +57,10 @@ def router(services: Services) -> APIRouter:
     async def listed() -> Response:
         return json_response({"kind": "jobs", "jobs": [job_json(job) for job in await services.jobs.latest(LISTED)]})
 
+
+def _add_job(routes: APIRouter, services: Services) -> None:
+    """State of a job, and its end."""
+
     @routes.get(
         "/v1/jobs/{job_id}",
         summary="State and progress of a job",
@@ -68,6 +80,10 @@ def router(services: Services) -> APIRouter:
     )
     async def cancel(job_id: str) -> Response:
         return json_response(job_json(_there(await services.jobs.cancel(job_id))))
+
+
+def _add_outcome(routes: APIRouter, services: Services) -> None:
+    """What comes of a job: events while it runs, and its result."""
 
     @routes.get(
         "/v1/jobs/{job_id}/events",
@@ -108,8 +124,6 @@ def router(services: Services) -> APIRouter:
             work = services.answers.encode(job.key, stored, format_, None, client)
             stored = (await unless_gone(request, work)).stored
         return represent(request, stored, FORMATS[format_].media_type)
-
-    return routes
 
 
 def _there(job: Job | None) -> Job:

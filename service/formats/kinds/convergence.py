@@ -86,7 +86,7 @@ def _fitted_rows(one: Mapping[str, Any]) -> Iterator[list[str]]:
             f"{angle:.6g}",
             "-" if slope is None else f"{slope:.3f}",
             _span(one["slope_interval"][at], ".3f"),
-            "never" if time is None else plain(time, 3),
+            ("-" if slope is None else "never") if time is None else plain(time, 3),
             _span(one["time_to_target_interval_ms"][at], ".3g"),
             "-" if not one["floor"][at] else plain(one["floor"][at], 3),
             f"{one['call_ns']:.1f}",
@@ -106,8 +106,8 @@ def _ranking(result: Result) -> str:
         text = order[0] if order else "none"
         for faster, slower in pairwise(order):
             text += f" {'~' if (faster, slower) in tied else '<'} {slower}"
-        never = f"; never: {', '.join(entry['never'])}" if entry["never"] else ""
-        lines.append(f"  {values}{entry['theta_o_deg']:.6g} deg: {text}{never}")
+        unranked = f"; not ranked: {', '.join(entry['unranked'])}" if entry["unranked"] else ""
+        lines.append(f"  {values}{entry['theta_o_deg']:.6g} deg: {text}{unranked}")
     if any(entry["tied"] for entry in result["ranking"]):
         lines.append("  a ~ b: not distinguishable")
     return "\n".join(lines)
@@ -115,7 +115,7 @@ def _ranking(result: Result) -> str:
 
 def _efficiency(table: Mapping[str, Any]) -> str:
     """Who wins at each angle and set of parameters, and by what factor over the second."""
-    if table["lead"] is None:
+    if len(table["techniques"]) < 2:
         return ""
     varied = [name for name in table["parameters"][0] if len({row[name] for row in table["parameters"]}) > 1]
     head = [*varied, *(f"{angle:g} deg" for angle in table["theta_o_deg"])]
@@ -124,11 +124,17 @@ def _efficiency(table: Mapping[str, Any]) -> str:
         grid.append(
             [
                 *(f"{row[name]:.6g}" for name in varied),
-                *(f"{_short(name)} {lead:.2g}x" for name, lead in zip(winners, leads, strict=True)),
+                *(_won(name, lead) for name, lead in zip(winners, leads, strict=True)),
             ]
         )
     title = "most efficient, 1 / (relative variance x time), and its lead over the second"
     return f"{title}\n{_grid(grid)}"
+
+
+def _won(name: str | None, lead: float | None) -> str:
+    if name is None:
+        return "-"
+    return _short(name) if lead is None else f"{_short(name)} {lead:.2g}x"
 
 
 def _short(name: str) -> str:

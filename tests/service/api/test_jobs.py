@@ -1,7 +1,9 @@
 """Long questions become jobs: watched, cancelled, and gone on with after a restart."""
 
 import json
+import sqlite3
 import time
+from contextlib import closing
 
 import httpx
 import pytest
@@ -108,6 +110,9 @@ def test_a_job_survives_a_restart_of_the_server_and_ends_with_the_same_bits(star
     if how == "stop":
         assert first.stop() == 0
     else:
+        with closing(sqlite3.connect(first.folder / "data" / "results-1.sqlite3")) as database:
+            while database.execute("SELECT COUNT(*) FROM checkpoint").fetchone() == (0,):
+                time.sleep(0.005)
         first.kill()
     second = start_server()
     resumed = [line for line in second.lines() if line["message"] == "going on with a job"]
@@ -136,3 +141,23 @@ def test_a_watcher_that_goes_away_leaves_the_job_running(server):
     path = server.start_job(seeded(LONG, 59))
     assert len(events(server, path, most=2)) == 2
     assert server.await_job(path)["state"] == "done"
+
+
+def test_convergence_is_a_job_whose_result_then_answers_the_question(server):
+    link = (
+        "/v1/convergence?model=eon&techniques=cosine&theta_o_deg=0,45&samples=512&reference=false"
+        "&estimators=mc&replicates=32&target_error=0.1"
+    )
+    reply = server.client.get(link)
+    assert reply.status_code == 202
+    assert server.await_job(reply.headers["location"])["kind"] == "convergence"
+    answer = server.client.get(link)
+    assert answer.status_code == 200
+    result = answer.json()
+    assert (result["kind"], result["target_error"]) == ("convergence", 0.1)
+    assert [one["technique"] for one in result["series"]] == ["cosine"]
+    assert len(result["series"][0]["theta_o_deg"]) == 2
+    wrong = server.client.get(
+        link.replace("replicates=32", "replicates=2").replace("target_error=0.1", "target_error=7")
+    )
+    assert {error["field"] for error in wrong.json()["errors"]} == {"replicates", "target_error"}

@@ -2,6 +2,8 @@
 
 import asyncio
 import json
+import sqlite3
+from contextlib import closing
 
 import httpx
 import pytest
@@ -137,15 +139,17 @@ def test_a_full_queue_is_503_and_too_many_of_one_client_429_with_retry_after(sta
     assert all(int(reply.headers["retry-after"]) >= 1 for reply in refused)
 
 
-def test_an_error_inside_the_service_tells_the_client_nothing_but_an_id_that_is_in_the_log(server):
-    """The worker is given a scene that the server would never let through, by way of a job."""
-    from service.api.problems import problem_of
-    from service.worker.lane import WorkerError
-
-    description = {"tree": ["ValueError", "Exception"], "message": "", "problems": [], "trace": "secret path"}
-    body, _ = problem_of(WorkerError(description))
-    assert body["status"] == 500
-    assert "secret" not in json.dumps(body)
+def test_an_error_inside_the_service_tells_the_client_nothing_but_an_id_that_is_in_the_log(start_server):
+    server = start_server()
+    with closing(sqlite3.connect(server.folder / "data" / "results-1.sqlite3")) as database:
+        database.executescript("DROP TABLE checkpoint; DROP TABLE job;")
+    reply = server.client.get("/v1/jobs")
+    body = problem(reply, 500)
+    assert body["type"] == "urn:samplerscope:problem:internal-error"
+    assert "table" not in reply.text
+    traces = [line for line in server.lines() if line.get("request_id") == body["request_id"] and "trace" in line]
+    assert "no such table" in traces[0]["trace"]
+    assert server.client.get("/healthz").status_code == 200
 
 
 def test_the_request_id_of_a_client_is_kept_and_stands_in_the_log(server):

@@ -1,6 +1,9 @@
 """Error curves on the device against what is known of them: laws, floors, the reference, rankings that stay."""
 
+import io
 import json
+import subprocess
+import sys
 from itertools import pairwise
 
 import numpy as np
@@ -8,6 +11,7 @@ import pytest
 
 from service.convergence import compute_convergence, parse_convergence_scene
 from service.errors import BadInput
+from service.formats import encode
 from service.scene import parse_scene, resolve
 
 UNBIASED = ["cosine", "uniform", "ltc-nonnegative", "cltc-mis"]
@@ -72,7 +76,7 @@ def test_a_biased_technique_shows_its_floor_and_is_named(result):
     assert 0.001 < floor.min() < floor.max() < 0.01
     assert [f["name"] for f in one["verdict"]["findings"]] == ["infinite-variance", "biased"]
     assert pick(result, "ltc", "mc")["slope"] == [None] * 4
-    assert all(entry["never"] == ["ltc"] for entry in result["ranking"])
+    assert all(entry["unranked"] == ["ltc"] for entry in result["ranking"])
 
 
 def test_the_quadrature_is_far_more_accurate_for_its_time_than_mc(result):
@@ -109,6 +113,12 @@ def test_efficiency_is_a_whole_table_with_a_winner_in_every_place(result):
     assert np.isnan(values[1:, table["techniques"].index("ltc")]).all()
 
 
+def test_a_lone_technique_with_infinite_variance_wins_nothing(study):
+    table = study(techniques="ltc", estimators=["quadrature"], theta_o_deg=[45])["efficiency"]
+    assert table["winner"][1] == [None] * len(table["theta_o_deg"])
+    assert table["lead"][1] == [None] * len(table["theta_o_deg"])
+
+
 def test_the_result_is_plain_json(result):
     assert json.loads(json.dumps(result, allow_nan=False)) == result
 
@@ -138,3 +148,49 @@ def test_a_parsed_scene_parses_again_to_itself():
     assert scene.estimators == ["qmc"]
     assert scene.counts[-1] == 2**20
     assert parse_convergence_scene(scene.model_dump(mode="json")) == scene
+
+
+def test_every_format_has_the_whole_study(result):
+    points = sum(len(one["samples"]) * len(one["theta_o_deg"]) for one in result["series"])
+    lines = encode(result, "csv").decode().splitlines()
+    assert len(lines) == points + 1
+    assert lines[0].startswith("model,technique,estimator,roughness,albedo,theta_o_deg,samples,time_ms")
+    archive = np.load(io.BytesIO(encode(result, "npz")))
+    assert archive["relative_rmse"].shape == (points,)
+    text = encode(result, "table").decode()
+    assert "first to the target" in text
+    assert "infinite-variance" in text
+    assert max(map(len, text.splitlines())) < 250
+
+
+def test_the_chart_draws_every_technique_angle_and_estimator(result):
+    spec = json.loads(encode(result, "vega"))
+    by_time, by_count, of_mean, of_variance = (row["hconcat"] for row in spec["vconcat"])
+    assert len(by_time) == len(by_count) == 4
+    assert len(of_mean) == len(of_variance) == len(UNBIASED)
+    drawn = json.dumps(spec)
+    assert all(name in drawn for name in (*UNBIASED, "ltc (infinite variance)", "scrambled Sobol'", "quadrature"))
+    assert encode(result, "png")[:4] == b"\x89PNG"
+
+
+def test_the_command_prints_and_writes(tmp_path):
+    target = tmp_path / "study.json"
+    command = [
+        sys.executable,
+        "-c",
+        "from service.cli import main; main()",
+        "converge",
+        "--technique",
+        "cosine,uniform",
+    ]
+    small = ["--theta-o-deg", "30", "--samples", "1024", "--method", "mc,quadrature", "--target-error", "0.02"]
+    done = subprocess.run([*command, *small, "-o", str(target)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "first to the target" in done.stdout
+    written = json.loads(target.read_text())
+    assert written["kind"] == "convergence"
+    assert written["target_error"] == 0.02
+    assert {one["estimator"] for one in written["series"]} == {"mc", "quadrature"}
+    wrong = subprocess.run([*command, "--target-error", "2"], capture_output=True, text=True, check=False)
+    assert wrong.returncode == 2
+    assert wrong.stderr.strip() == "samplerscope: target_error = 2.0: allowed is a number above 0 and below 1"

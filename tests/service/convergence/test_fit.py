@@ -71,7 +71,7 @@ def test_a_ranking_tells_apart_only_what_is_apart():
     assert ranked["order"] == ["fast", "close", "slow"]
     assert ranked["tied"] == [["fast", "close"]]
     assert not ranked["distinguishable"]
-    assert ranked["never"] == ["biased"]
+    assert ranked["unranked"] == ["biased"]
     assert ranked["lead"] == pytest.approx(1.1)
 
 

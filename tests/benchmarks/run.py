@@ -1,0 +1,222 @@
+"""make bench: EON statistics on lavapipe beside NumPy, Numba, Dr.Jit and C++, in one run.
+
+Every peer first has to give the same means and variances as the float64 reference. Then all run in turn, round after
+round; a ratio is the median of the rounds' ratios. Then the time to an error of a thousandth, by sampling and by the
+quadrature, and whether intervals hold what they say. `--rounds`, `--samples` and `--seeds` make it shorter or longer.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import IO
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+from calibration import calibrate
+from install import OUT, Peer, peers
+
+from service.engine import Engine
+from service.estimators.quadrature import quadrature
+from service.estimators.sampled import open_sampler
+from service.moments import from_power_sums
+from service.reference_store import series_reference
+from service.scene import Question, SeriesPlan, parse_scene, radians, resolve
+from service.statistics import series_cells
+
+TECHNIQUES = ("cosine", "uniform", "ltc-nonnegative", "ltc", "cltc", "cltc-mis")
+CONVERGENT = ("cosine", "uniform", "ltc-nonnegative", "cltc-mis")
+ANGLES = 64
+ERROR = 1e-3
+OURS = "samplerscope (lavapipe)"
+
+
+def main() -> None:
+    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    options.add_argument("--rounds", type=int, default=7)
+    options.add_argument("--samples", type=int, default=1 << 17, help="for each of the 64 angles")
+    options.add_argument("--seeds", type=int, default=60, help="of the calibration of intervals")
+    given = options.parse_args()
+    with Engine.open() as engine:
+        scene = {"model": "eon", "parameters": {"roughness": 1}, "techniques": list(TECHNIQUES)}
+        question = resolve(parse_scene({**scene, "theta_o_deg": {"count": ANGLES}}), engine.catalogue)
+        print(f"{engine.device.info.name}, {engine.device.info.driver_version}, {len(os.sched_getaffinity(0))} cores")
+        print(f"EON at roughness 1, {ANGLES} angles, {given.samples:,} samples each, {given.rounds} rounds in turn\n")
+        report = {"rates": rates(engine, question, given.samples, given.rounds)}
+        report["to_error"] = time_to_error(engine, question, report["rates"])
+        report["calibration"] = calibrate(engine, given.seeds)
+    OUT.mkdir(parents=True, exist_ok=True)
+    (OUT / "bench.json").write_text(json.dumps(report, indent=1) + "\n")
+
+
+class Program:
+    """A running peer: one line in, one line out."""
+
+    def __init__(self, peer: Peer) -> None:
+        self.process = subprocess.Popen(
+            peer.command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+            env={**os.environ, **dict(peer.environment)},
+            cwd=Path(__file__).parent / "peers",
+        )
+
+    def ask(self, technique: str, samples: int, seed: int, angles: list[float]) -> tuple[float, np.ndarray]:
+        """Seconds, and sums of (weight - 1)^k with the largest weight, shape (angles, 5)."""
+        text = " ".join([technique, "1.0", str(samples), str(seed), *(repr(angle) for angle in angles)])
+        sent, received = pipes(self.process)
+        sent.write(text + "\n")
+        sent.flush()
+        line = received.readline()
+        if not line:
+            raise RuntimeError("the peer ended")
+        try:
+            answer = json.loads(line)
+        except json.JSONDecodeError:
+            raise RuntimeError(f"its sums of {technique} are not finite") from None
+        return answer["seconds"], np.array(answer["powers"])
+
+
+def pipes(process: subprocess.Popen[str]) -> tuple[IO[str], IO[str]]:
+    assert process.stdin is not None
+    assert process.stdout is not None
+    return process.stdin, process.stdout
+
+
+@contextmanager
+def started(peer: Peer) -> Iterator[Program]:
+    program = Program(peer)
+    try:
+        yield program
+    finally:
+        for pipe in pipes(program.process):
+            pipe.close()
+        program.process.wait(timeout=30)
+
+
+def rates(engine: Engine, question: Question, samples: int, rounds: int) -> dict:
+    """Samples a second of every program and technique, and our rate over each peer's, round by round."""
+    angles = [radians(angle) for angle in question.scene.angles_deg]
+    seconds: dict[str, dict[str, list[float]]] = {OURS: {name: [] for name in TECHNIQUES}}
+    with ExitStack() as stack:
+        samplers = {}
+        for plan in question.series:
+            cells = series_cells(plan, question.scene)
+            opened = open_sampler(plan, engine, cells, 4, with_max=True, sobol=False)
+            samplers[plan.technique.name] = stack.enter_context(opened)[0]
+        running: dict[str, Program] = {}
+        for peer in peers():
+            try:
+                if peer.missing:
+                    raise RuntimeError(peer.missing)
+                program = stack.enter_context(started(peer))
+                for plan in question.series:
+                    check(engine, question, plan, *program.ask(plan.technique.name, samples, 1, angles)[1:], samples)
+                running[peer.name] = program
+                seconds[peer.name] = {name: [] for name in TECHNIQUES}
+            except RuntimeError as error:
+                print(f"{peer.name}: not measured: {error}")
+        for number in range(rounds):
+            for technique in TECHNIQUES:
+                begin = time.perf_counter()
+                samplers[technique].run(samples)
+                seconds[OURS][technique].append(time.perf_counter() - begin)
+                for name, program in running.items():
+                    seconds[name][technique].append(program.ask(technique, samples, 2 + number, angles)[0])
+    return table(seconds, samples)
+
+
+def check(engine: Engine, question: Question, plan: SeriesPlan, powers: np.ndarray, samples: int) -> None:
+    """Refuse a peer whose mean or variance is more than 6 of the reference's standard errors off at any angle.
+
+    Variances are compared where the kurtosis is below 1000: beyond, so few samples know nothing of them.
+    """
+    if not np.all(np.isfinite(powers)):
+        raise RuntimeError(f"its sums of {plan.technique.name} are not finite")
+    known = series_reference("eon", plan.technique.name, plan.parameters, question.scene.angles_deg, engine.cache)
+    count = np.full(len(powers), samples)
+    found = from_power_sums(count, np.ones(len(powers)), powers[:, :4].T)
+    mean, variance, fourth = (np.array([getattr(k, n) for k in known]) for n in ("mean", "variance", "fourth_moment"))
+    spread = np.where(np.isfinite(variance), variance, found.variance)
+    if np.any(np.abs(found.mean - mean) > 6 * np.sqrt(spread / samples) + 1e-6):
+        raise RuntimeError(f"its mean weight of {plan.technique.name} is not the reference's")
+    usable = np.isfinite(fourth)
+    usable[usable] = fourth[usable] < 1e3 * variance[usable] ** 2
+    off = np.abs(found.variance[usable] - variance[usable])
+    if np.any(off > 6 * np.sqrt((fourth[usable] - variance[usable] ** 2) / samples)):
+        raise RuntimeError(f"its variance of {plan.technique.name} is not the reference's")
+
+
+def table(seconds: dict[str, dict[str, list[float]]], samples: int) -> dict:
+    total = samples * ANGLES / 1e6
+    print(f"{'million samples a second':<28}" + "".join(f"{name:>17}" for name in TECHNIQUES))
+    for name, times in seconds.items():
+        print(f"{name:<28}" + "".join(f"{total / np.median(times[t]):>17.0f}" for t in TECHNIQUES))
+    print(f"\n{'times as fast as the peer':<28}" + "".join(f"{name:>17}" for name in TECHNIQUES))
+    report = {"samples": samples, "seconds": seconds, "ratios": {}}
+    for name, times in seconds.items():
+        if name == OURS:
+            continue
+        ratios = {t: np.array(times[t]) / np.array(seconds[OURS][t]) for t in TECHNIQUES}
+        report["ratios"][name] = {t: np.quantile(r, [0.25, 0.5, 0.75]).tolist() for t, r in ratios.items()}
+        cells = [f"{np.median(r):.2g} ({np.quantile(r, 0.25):.2g}-{np.quantile(r, 0.75):.2g})" for r in ratios.values()]
+        print(f"{name:<28}" + "".join(f"{cell:>17}" for cell in cells))
+    print()
+    return report
+
+
+def time_to_error(engine: Engine, question: Question, measured: dict) -> dict:
+    """Seconds until the variance of all angles is known to ERROR: by sampling, each angle as long as it needs, at the
+    rates above, and by the quadrature, which is run."""
+    report: dict[str, dict] = {}
+    print(f"seconds until the variance of each of {ANGLES} angles has a relative error of {ERROR:g}")
+    names = list(measured["seconds"])
+    print(f"{'':<18}{'quadrature':>12}{'device':>10}{'worst error':>14}" + "".join(f"{name:>26}" for name in names))
+    device = 0.0
+    for plan in question.series:
+        technique = plan.technique.name
+        known = series_reference("eon", technique, plan.parameters, question.scene.angles_deg, engine.cache)
+        variance = np.array([cell.variance for cell in known])
+        finite = np.isfinite(variance)
+        estimator = parse_scene({"model": "eon", "estimator": {"method": "quadrature", "tolerance": ERROR}}).estimator
+        runs = []
+        for _ in range(5):
+            begin = time.perf_counter()
+            found = quadrature(plan, engine, series_cells(plan, question.scene), estimator, finite, wanted=True)
+            runs.append((found.device_ns / 1e9, time.perf_counter() - begin))
+        spent, elapsed = np.median([run[0] for run in runs]), np.median([run[1] for run in runs])
+        device += spent
+        if technique not in CONVERGENT:
+            continue
+        worst = float(np.max(np.abs(found.statistics.variance / variance - 1)))
+        needed = sum(cell.fourth_moment / cell.variance**2 - 1 for cell in known) / ERROR**2
+        total = measured["samples"] * ANGLES
+        sampled = {name: float(needed * np.median(measured["seconds"][name][technique]) / total) for name in names}
+        report[technique] = {"quadrature_s": elapsed, "device_s": spent, "worst_error": worst, "sampled_s": sampled}
+        print(
+            f"{technique:<18}{elapsed:>12.3f}{spent:>10.4f}{worst:>14.1e}"
+            + "".join(f"{sampled[name]:>26.1f}" for name in names)
+        )
+    sums = {name: math.fsum(row["sampled_s"][name] for row in report.values()) for name in names}
+    rule = math.fsum(row["device_s"] for row in report.values())
+    print(
+        f"\nvariance of the four convergent techniques: quadrature {1e3 * rule:.0f} ms of device time, mc on the same"
+    )
+    print(f"device {sums[OURS]:.0f} s: {sums[OURS] / rule:,.0f} times as long")
+    print(f"the whole six-technique figure by quadrature: {1e3 * device:.0f} ms of device time\n")
+    return {"techniques": report, "device_s_of_six": device, "ratio_to_mc": sums[OURS] / rule}
+
+
+if __name__ == "__main__":
+    main()
