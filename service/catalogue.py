@@ -10,7 +10,7 @@ import math
 import re
 import tomllib
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import Literal
@@ -30,6 +30,9 @@ RESERVED = frozenset(
     }
 )
 """Names of a scene's fields and of query parameters, which a parameter may not have."""
+
+OWN_FILE_BYTES = 1 << 20
+_RESOURCES = frozenset({"buffer", "uniform", "shared", "layout"})
 
 _HEAD = re.compile(r"\s*/\*---\n(.*?)\n---\*/", re.DOTALL)
 _REQUIRED_FUNCTIONS = {"model": ("brdf",), "technique": ("sample_direction", "direction_pdf")}
@@ -76,6 +79,7 @@ class Entry:
     code: str
     origin: str
     declared: frozenset[str] = field(repr=False)
+    own: bool = False  # a user's file: no reference of a catalogue entry of the same name applies
 
     @property
     def name(self) -> str:
@@ -126,12 +130,30 @@ class Catalogue:
 
     def with_file(self, path: Path) -> Catalogue:
         """This catalogue and one more file, which may replace an entry of the same name."""
-        entry = read_entry(path.read_text(encoding="utf-8"), str(path))
+        entry = read_own_file(path)
         return Catalogue(
             models={**self.models, **_provided([entry], "model")},
             techniques={**self.techniques, **_provided([entry], "technique")},
             includes=self.includes,
         )
+
+
+def read_own_file(path: Path) -> Entry:
+    """The entry of a user's file. BadInput where it cannot be read; ShaderFileError where it breaks the contract."""
+    try:
+        if path.stat().st_size > OWN_FILE_BYTES:
+            raise BadInput(Problem("file", str(path), f"at most {OWN_FILE_BYTES:,} bytes"))
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
+        raise BadInput(Problem("file", str(path), f"a shader file that can be read ({reason})")) from None
+    entry = replace(read_entry(text, str(path)), own=True)
+    for line, word in glsl.words(text):
+        if word in _RESOURCES:
+            raise ShaderFileError(
+                f"{path}:{line}: {word}: a model or technique has no buffers, layouts or shared memory"
+            )
+    return entry
 
 
 @cache

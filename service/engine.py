@@ -8,11 +8,11 @@ from typing import Literal
 
 from lavapipe import Cache, Device, Pipeline, compile_glsl, default_cache
 from service.catalogue import Catalogue, Entry, load_catalogue
-from service.variant import compose
+from service.variant import Precision, compose
 
 Job = Literal["statistics", "probe", "quadrature", "cost"]
-_BUFFERS: Mapping[Job, int] = {"statistics": 4, "probe": 3, "quadrature": 6, "cost": 2}
-_PUSH_CONSTANT_BYTES: Mapping[Job, int] = {"statistics": 16, "probe": 4, "quadrature": 4, "cost": 8}
+_BUFFERS: Mapping[Job, int] = {"statistics": 4, "probe": 4, "quadrature": 6, "cost": 2}
+_PUSH_CONSTANT_BYTES: Mapping[Job, int] = {"statistics": 16, "probe": 8, "quadrature": 4, "cost": 8}
 
 
 class Engine:
@@ -45,13 +45,18 @@ class Engine:
         self.device.close()
 
     def pipeline(
-        self, model: Entry, technique: Entry, job: Job, specialization: Mapping[int, int | bool] | None = None
+        self,
+        model: Entry,
+        technique: Entry,
+        job: Job,
+        specialization: Mapping[int, int | bool] | None = None,
+        precision: Precision = "float",
     ) -> Pipeline:
         """The pipeline of a job for a model and a technique, built once. CompileError has the file's own lines."""
         constants = dict(specialization or {})
-        key = (model, technique, job, tuple(sorted(constants.items())))
+        key = (model, technique, job, precision, tuple(sorted(constants.items())))
         if key not in self._pipelines:
-            variant = compose(self.catalogue, model, technique, job)
+            variant = compose(self.catalogue, model, technique, job, precision)
             spirv = compile_glsl(variant.source, name=variant.name, include=variant.includes, cache=self.cache)
             self._pipelines[key] = self.device.pipeline(
                 spirv,

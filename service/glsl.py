@@ -31,6 +31,15 @@ def tokens(text: str) -> Iterator[tuple[str, str]]:
         yield str(match.lastgroup), match.group()
 
 
+def words(text: str) -> Iterator[tuple[int, str]]:
+    """Yield (line, name) of every name in code, comments and directives apart; lines count from 1."""
+    line = 1
+    for kind, token in tokens(text):
+        if kind == "name":
+            yield line, token
+        line += token.count("\n")
+
+
 def declared_names(text: str) -> set[str]:
     """Names that a file declares at its top level: functions, globals, structs and macros."""
     names: set[str] = set()

@@ -22,7 +22,12 @@ _FIELDS = len(fields(CellReference))
 
 
 def plan_reference(plan: SeriesPlan, theta_o_deg: Sequence[float], store: Cache) -> list[CellReference] | None:
-    """The reference of every angle, from the store where it is there. None where no reference exists for the pair."""
+    """The reference of every angle, from the store where it is there. None where the pair has none.
+
+    A user's own file has none, whatever its name.
+    """
+    if plan.model.own or plan.technique.own:
+        return None
     keys = [_key(plan, angle) for angle in theta_o_deg]
     known = {key: value for key, value in store.get_many(keys).items() if len(value) == 8 * _FIELDS}
     missing = [(key, angle) for key, angle in zip(keys, theta_o_deg, strict=True) if key not in known]

@@ -9,14 +9,22 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 from service import glsl
 from service.catalogue import SHADERS, Catalogue, Entry
+from service.loops import count_loops
+from service.widening import widen
+
+Precision = Literal["float", "double"]
 
 _LANGUAGE = "#version 460\n#extension GL_GOOGLE_cpp_style_line_directive : enable\n"
 _PREAMBLE = (
-    '#line 1 "variant"\n#include "common/contract.glsl"\n#include "common/finite.glsl"\n#include "common/random.glsl"\n'
+    '#line 1 "variant"\n#include "common/contract.glsl"\n#include "common/finite.glsl"\n'
+    '#include "common/random.glsl"\n#include "common/loops.glsl"\n'
 )
+_DOUBLE = '#define DOUBLE_PRECISION\n#line 1 "variant"\n#include "common/double.glsl"\n'
+_NOT_WIDENED = frozenset({"common/double.glsl", "common/random.glsl"})
 
 
 @dataclass(frozen=True)
@@ -29,13 +37,16 @@ class Variant:
     name: str
 
 
-def compose(catalogue: Catalogue, model: Entry, technique: Entry, job: str) -> Variant:
-    """The source of one job (`statistics` or `probe`) for a model and a technique."""
+def compose(catalogue: Catalogue, model: Entry, technique: Entry, job: str, precision: Precision = "float") -> Variant:
+    """The source of one job (`statistics` or `probe`) for a model and a technique.
+
+    In double precision every `float` of code, includes and job is a double, buffers too: the float64 truth of the same
+    code.
+    """
     parameters = tuple(catalogue.parameters_of(model, technique))
     has_albedo = "directional_albedo" in model.declared
     text = "".join(
         [
-            _LANGUAGE,
             _PREAMBLE,
             "".join(f"float parameter_{name};\n" for name in parameters),
             _part(model, "model", model.head.parameters),
@@ -52,13 +63,17 @@ def compose(catalogue: Catalogue, model: Entry, technique: Entry, job: str) -> V
         "variant/load_parameters.glsl": _loader(parameters),
         "variant/draw_parameters.glsl": _drawer(parameters),
     }
-    return Variant(text, includes, parameters, f"{model.name}+{technique.name}.{job}")
+    name = f"{model.name}+{technique.name}.{job}"
+    if precision == "double":
+        includes = {key: part if key in _NOT_WIDENED else widen(part) for key, part in includes.items()}
+        return Variant(_LANGUAGE + _DOUBLE + widen(text), includes, parameters, f"{name}.double")
+    return Variant(_LANGUAGE + text, includes, parameters, name)
 
 
 def _part(entry: Entry, prefix: str, parameters: Iterable[str]) -> str:
     names = {name: f"{prefix}_{name}" for name in entry.declared}
     names |= {name: f"parameter_{name}" for name in parameters}
-    return f'#line 1 "{entry.origin}"\n{glsl.rename(entry.code, names)}\n'
+    return f'#line 1 "{entry.origin}"\n{count_loops(glsl.rename(entry.code, names))}\n'
 
 
 def _loader(parameters: Sequence[str]) -> str:

@@ -90,7 +90,7 @@ void main() {
     sums[at + 2u * stride] = t.s3;
     sums[at + 3u * stride] = t.s4;
     sums[at + 4u * stride] = t.largest;
-    counts[at] = t.drawn;
+    counts[at] = loops_ran(min(gl_NumWorkGroups.x + 1u, 2u)) ? t.drawn : 0u;
     counts[at + stride] = t.zero;
     counts[at + 2u * stride] = t.nonfinite;
     counts[at + 3u * stride] = t.negative;

@@ -37,6 +37,17 @@ class ProgressLine:
             click.echo(f"\r{'':<{len(self._last)}}\r", nl=False, err=True)
 
 
+class StageLine(ProgressLine):
+    """Progress in stages: what is being done, rewritten on a terminal, else a line a stage."""
+
+    def _advance(self, name: str, done: int, total: int) -> None:
+        if self._terminal:
+            click.echo(f"\r{name:<{len(self._last)}}", nl=False, err=True)
+        elif name != self._last:
+            click.echo(name, err=True)
+        self._last = name
+
+
 def deliver(
     compute: Callable[[], dict[str, Any]], format_: str | None, outputs: tuple[str, ...], draw: Draw | None = None
 ) -> None:

@@ -31,7 +31,9 @@ def scene_options(command: Command) -> Command:
     """The options that make up a scene, with the names of its fields."""
     for option in reversed(
         (
-            click.option("--model", default="eon", show_default=True, metavar="NAME", help="The BRDF, or all."),
+            click.option(
+                "--model", default="eon", show_default=True, metavar="NAME|FILE", help="The BRDF, a file of your own, or all."
+            ),
             click.option(
                 "--set", "settings", multiple=True, metavar="NAME=V1,V2,...",
                 help="Values of a parameter; several values sweep it, several sweeps form a product.",
@@ -100,6 +102,11 @@ def scene_data(
         reference=not no_reference,
     )
     return scene if preset is None else with_preset(preset, scene)
+
+
+def is_file(given: str) -> bool:
+    """Whether the text means a user's shader file rather than a name of the catalogue."""
+    return given.endswith(".glsl") or "/" in given
 
 
 def given(**fields: Any) -> dict[str, Any]:

@@ -2,7 +2,13 @@
 #ifndef SAMPLERSCOPE_ARC
 #define SAMPLERSCOPE_ARC
 
-const float HALF_PI = 1.57079632679490;
+const float HALF_PI = 1.57079632679489662;
+
+#ifdef DOUBLE_PRECISION // a file widened to double: the polynomial below ends at float32
+
+float arcsine(float x) { return asin(x); }
+
+#else
 
 // asin(x) for 0 <= x <= 0.5, as x + x^3 P(x^2); coefficients of the Cephes library (asinf.c).
 float arcsine_small(float x) {
@@ -27,5 +33,7 @@ float polar_angle(vec3 w) {
     float sine = length(w.xy);
     return sine < abs(w.z) ? arcsine(sine) : HALF_PI - arcsine(w.z);
 }
+
+#endif
 
 #endif

@@ -6,10 +6,14 @@
 // exact in binary; there the polynomials (Cephes library, sinf.c and cosf.c) are good to 1 ulp. Exact at quarter turns.
 vec2 point_on_circle(float u) {
     float quarter = floor(4.0 * u + 0.5);
-    float a = (u - 0.25 * quarter) * 6.28318530717959;
+    float a = (u - 0.25 * quarter) * 6.28318530717958648;
     float t = a * a;
+#ifdef DOUBLE_PRECISION // a file widened to double: the polynomials end at float32
+    float s = sin(a), c = cos(a);
+#else
     float s = a + a * t * ((-1.9515295891e-4 * t + 8.3321608736e-3) * t - 1.6666654611e-1);
     float c = 1.0 - 0.5 * t + t * t * ((2.443315711809948e-5 * t - 1.388731625493765e-3) * t + 4.166664568298827e-2);
+#endif
     uint q = uint(quarter);
     vec2 p = (q & 1u) == 0u ? vec2(c, s) : vec2(s, c);
     bool flip_x = ((q + 1u) & 2u) != 0u;

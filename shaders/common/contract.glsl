@@ -2,8 +2,8 @@
 #ifndef SAMPLERSCOPE_CONTRACT
 #define SAMPLERSCOPE_CONTRACT
 
-const float PI = 3.14159265358979;
-const float INV_PI = 0.318309886183791;
+const float PI = 3.14159265358979324;
+const float INV_PI = 0.318309886183790672;
 
 // A direction drawn by a technique. wi points away from the surface; pdf is its density per steradian.
 struct DirectionSample {

@@ -4,14 +4,13 @@ inputs.
 
 from __future__ import annotations
 
-import struct
-
 import numpy as np
 import pytest
 
 from lavapipe import default_cache
 from service.catalogue import load_catalogue
 from service.engine import Engine
+from service.probe import Probe
 from service.scene import parse_scene, resolve
 from service.statistics import compute_statistics
 
@@ -44,34 +43,11 @@ def probe(engine):
 
     def run(model, technique, wo, *, u=None, wi=None, catalogue=None, **parameters):
         at = engine if catalogue is None else Engine(engine.device, catalogue, engine.cache)
-        catalogue = at.catalogue
-        entries = catalogue.model(model), catalogue.technique(technique)
-        declared = catalogue.parameters_of(*entries)
-        value = np.asarray(u if wi is None else wi, np.float32)
-        count = len(value)
-        inputs = np.zeros((count, 2, 4), np.float32)
-        inputs[:, 0, :3] = wo
-        inputs[:, 1, : value.shape[1]] = value
-        row = [parameters.get(name, parameter.default) for name, parameter in declared.items()]
-        device = engine.device
-        pipeline = at.pipeline(*entries, "probe", {0: wi is None})
-        with (
-            device.buffer((count, 2, 4), np.float32) as given,
-            device.buffer((count, max(1, len(row))), np.float32) as rows,
-            device.buffer((count, 2, 4), np.float32) as found,
-        ):
-            given.array[:] = inputs
-            rows.array[:, : len(row)] = np.broadcast_to(np.array(row, np.float32), (count, len(row)))
-            device.run(pipeline, [given, rows, found], (-(-count // 64), 1, 1), push_constants=struct.pack("<I", count))
-            out = found.array.copy()
-        return {
-            "wi": out[:, 0, :3],
-            "pdf": out[:, 0, 3],
-            "brdf": out[:, 1, 0],
-            "direction_pdf": out[:, 1, 1],
-            "weight": out[:, 1, 2],
-            "albedo": out[:, 1, 3],
-        }
+        one = Probe(at, at.catalogue.model(model), at.catalogue.technique(technique))
+        row = [parameters.get(name, parameter.default) for name, parameter in one.declared.items()]
+        wo, row = np.asarray(wo, np.float32), np.array([row], np.float32)
+        found = one.draw(wo, u, row) if wi is None else one.evaluate(wo, wi, row)
+        return vars(found)
 
     return run
 

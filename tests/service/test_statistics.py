@@ -5,12 +5,13 @@ bounds below allow what a correct sampler passes with a probability of at least 
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from service import sampling
-from service.catalogue import SHADERS, load_catalogue
+from service.catalogue import SHADERS, load_catalogue, read_entry
 from service.reference import cell_reference, load_model, load_technique
 from service.scene import parse_scene, resolve
 from service.statistics import compute_statistics, series_cells
@@ -263,6 +264,12 @@ def with_replaced(kind, name, old, new):
     return text.replace(old, new)
 
 
+def planted(path):
+    """The catalogue with one entry replaced, as if the catalogue itself were wrong: its own truth still judges it."""
+    catalogue, entry = load_catalogue(), read_entry(path.read_text(), str(path))
+    return replace(catalogue, techniques={**catalogue.techniques, entry.name: entry})
+
+
 @pytest.mark.parametrize(
     ("technique", "old", "new", "finding"),
     [
@@ -282,9 +289,7 @@ def with_replaced(kind, name, old, new):
 def test_a_planted_bug_is_found(compute, tmp_path, technique, old, new, finding):
     path = tmp_path / "broken.glsl"
     path.write_text(with_replaced("techniques", technique, old, new))
-    (series,) = compute(catalogue=load_catalogue().with_file(path), techniques=technique, theta_o_deg=[0, 45, 85])[
-        "series"
-    ]
+    (series,) = compute(catalogue=planted(path), techniques=technique, theta_o_deg=[0, 45, 85])["series"]
     assert series["verdict"]["status"] == finding
 
 
@@ -297,7 +302,7 @@ def test_the_uniform_lobe_of_the_listing_biases_the_mixture(compute, tmp_path):
     cosine = "sqrt((1.0 - u.x / probability) * (1.0 + u.x / probability))"
     path.write_text(with_replaced("techniques", "cltc-mis", "vec2(u.x / probability, u.y)", f"vec2({cosine}, u.y)"))
     (series,) = compute(
-        catalogue=load_catalogue().with_file(path),
+        catalogue=planted(path),
         techniques="cltc-mis",
         theta_o_deg=[0, 45, 80, 89.9],
         estimator={"samples": 4_000_000},
@@ -314,7 +319,7 @@ def test_a_nonfinite_sample_can_be_replayed(compute, tmp_path, engine):
         "return DirectionSample(cosine_hemisphere(u).wi, INV_PI * sqrt(u.x) * hole / hole);"
     )
     path.write_text(with_replaced("techniques", "cosine", "return cosine_hemisphere(u);", bug))
-    catalogue = load_catalogue().with_file(path)
+    catalogue = planted(path)
     (series,) = compute(catalogue=catalogue, techniques="cosine", theta_o_deg=[45], estimator={"samples": 100_000})[
         "series"
     ]

@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from service.cli.delivery import ProgressLine, deliver
-from service.cli.options import output_options, scene_data, scene_options
+from service.cli.options import is_file, output_options, scene_data, scene_options
 from service.scene import Scene, parse_scene
 
 
@@ -15,9 +15,23 @@ from service.scene import Scene, parse_scene
 @scene_options
 @output_options
 def stats(format_: str | None, outputs: tuple[str, ...], device: str | None, **options: Any) -> None:
-    """Mean, variance and largest weight of techniques across view angles."""
-    scene = parse_scene(scene_data(**options))
-    deliver(lambda: statistics_of(scene, device), format_, outputs)
+    """Mean, variance and largest weight of techniques across view angles. The model may be a .glsl file."""
+    path = options["model"]
+    if not is_file(path):
+        scene = parse_scene(scene_data(**options))
+        deliver(lambda: statistics_of(scene, device), format_, outputs)
+        return
+    deliver(lambda: statistics_of_file(path, options, device), format_, outputs)
+
+
+def statistics_of_file(path: str, options: dict[str, Any], device: str | None) -> dict[str, Any]:
+    """Answer a scene whose model, or technique, is a user's file, in a process of its own."""
+    from service.isolation import run_isolated
+    from service.isolation.tasks import file_scene
+
+    scene = file_scene(path, scene_data(**options))
+    with ProgressLine() as progress:
+        return run_isolated("statistics", {"file": path, "scene": scene, "device": device}, progress)
 
 
 def statistics_of(scene: Scene, device: str | None) -> dict[str, Any]:

@@ -1,0 +1,278 @@
+"""Checks of many drawn directions against integrals of the density: normalisation, chi-square, coverage, mean
+weight.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from service.checks.binning import ChiSquare, Tree, boxes_of, chi_square, partition
+from service.checks.effort import FALSE_ALARM, Effort
+from service.checks.outcome import Outcome, failed, not_applicable, passed
+from service.checks.regions import Integrals, coordinates, cut, integrate
+from service.checks.subject import Cells, cells_of, replay
+from service.probe import Probe
+from service.random_numbers import cell_key, random_pairs
+
+Array = NDArray[Any]
+
+PILOT = 8192
+GOAL = 1e-6
+PIECE = np.pi / 32
+"""Area of a first box of the quadrature at the most: features of this size are seen."""
+NORMALISATION = 1e-4
+"""Difference of a density's integral from what it should be that counts, the quadrature's own error apart."""
+
+LOST = 1e-7
+"""Share of the reflected light on directions of density zero that counts as not covered."""
+
+EXPECTED_REST = 1e-4
+"""Share of samples without a density from which they are a bin of their own."""
+
+TRUNCATION = 8.0
+"""Weights are compared up to so many times the 99.9th percentile of the pilot: a mean with known bounds, whatever
+the tail.
+"""
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """Drawn directions of every cell and the integrals that they are compared with.
+
+    Integrands: 0 density; 1 f cos; 2 f cos where the density is zero; 3 min(w, limit) p; 4 min(w, limit)^2 p.
+    """
+
+    cells: Cells
+    u: list[Array]
+    weights: list[Array]
+    counted: list[Array]  # whether a sample has a density above zero
+    trees: list[Tree]
+    limits: Array
+    integrals: Integrals
+    bad: Array  # cells with values that are not finite: other checks speak of them
+
+
+def draw_and_integrate(probe: Probe, effort: Effort, seed: int) -> Sampled:
+    """Draw directions in float32, bin them, and integrate the density in double precision over the same bins."""
+    cells = cells_of(probe, effort.views, effort.rows)
+    u_all, weights, counted, trees, bad = [], [], [], [], []
+    for i in range(len(cells)):
+        key = cell_key(seed, float(i))
+        u = random_pairs(key, np.arange(PILOT + effort.samples, dtype=np.uint64))
+        values = probe.draw(cells.wo[i], u, cells.parameters[i])
+        finite = np.isfinite(values.wi).all(axis=1) & np.isfinite(values.pdf) & np.isfinite(values.weight)
+        counts = finite & (values.pdf > 0)
+        t, phi = coordinates(np.where(counts[:, None], values.wi, (0.0, 0.0, 1.0)))
+        tree = partition(t[counts], phi[counts], int(counts[:PILOT].sum()), effort.depth)
+        u_all.append(u[PILOT:])
+        weights.append(np.where(finite, values.weight, 0.0)[PILOT:].astype(np.float64))
+        counted.append(counts[PILOT:])
+        trees.append(tree)
+        bad.append(not finite.all())
+    limits = np.array([TRUNCATION * max(float(np.quantile(w, 0.999)), 1e-30) for w in weights])
+    integrals = _integrals(probe, cells, trees, limits, effort)
+    return Sampled(cells, u_all, weights, counted, trees, limits, integrals, np.array(bad))
+
+
+def _integrals(probe: Probe, cells: Cells, trees: list[Tree], limits: Array, effort: Effort) -> Integrals:
+    def integrands(wi: Array, cell: Array) -> Array:
+        values = probe.evaluate(cells.wo[cell], wi, cells.parameters[cell], "double")
+        p = np.where(np.isfinite(values.direction_pdf), values.direction_pdf, 0.0)
+        reflected = np.where(np.isfinite(values.brdf), values.brdf, 0.0) * np.maximum(wi[:, 2], 0.0)
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            weight = np.where(p > 0, np.minimum(reflected / p, limits[cell]), 0.0)
+        return np.stack([p, reflected, np.where(p > 0, 0.0, reflected), weight * p, weight**2 * p])
+
+    bins = max(len(tree.boxes) for tree in trees)
+    boxes = cut(boxes_of(trees), PIECE)
+    return integrate(boxes, integrands, (len(cells), bins), GOAL, effort.quadrature)
+
+
+def _bernstein(variance: float, bound: float, n: int, rate: float) -> float:
+    """Half width of a two-sided interval for a mean of n values in [0, bound] (Bernstein's inequality)."""
+    log_term = math.log(2.0 / rate)
+    linear = bound * log_term / 3.0
+    return (linear + math.sqrt(linear**2 + 2.0 * n * max(variance, 0.0) * log_term)) / n
+
+
+def _sample_in_leaf(s: Sampled, cell: int, leaf: int) -> int:
+    """A counted sample of this leaf, or the first sample where it has none."""
+    tree = s.trees[cell]
+    members = np.flatnonzero(tree.leaf == leaf)
+    counted = int(s.counted[cell].sum())
+    after_pilot = members - (len(tree.leaf) - counted)
+    after_pilot = after_pilot[after_pilot >= 0]
+    return int(np.flatnonzero(s.counted[cell])[after_pilot[0]]) if len(after_pilot) else 0
+
+
+def _replay(probe: Probe, s: Sampled, cell: int, sample: int) -> dict[str, Any]:
+    return replay(probe, s.cells.wo[cell], s.cells.parameters[cell], u=s.u[cell][sample])
+
+
+def _where(s: Sampled, cell: int) -> dict[str, Any]:
+    return {"cell": cell, "theta_o_deg": math.degrees(s.cells.theta_o[cell]), "parameters": s.cells.parameters[cell]}
+
+
+def check_normalisation(probe: Probe, s: Sampled) -> Outcome:
+    """The density integrates to the share of samples that have one: 1, unless some are thrown away with density 0."""
+    integral, error = s.integrals.total[0], s.integrals.error[0]
+    share = np.array([c.mean() for c in s.counted])
+    n = len(s.counted[0])
+    chance = np.array([_bernstein(x * (1 - x), 1.0, n, FALSE_ALARM / len(share)) if x < 1 else 0.0 for x in share])
+    # The error estimate is the last difference of two levels; next to a pole of the density more than that is left.
+    excess = np.abs(integral - share) - chance - 4 * error - NORMALISATION
+    power = (
+        f"{len(share)} settings and views; an integral off by more than {NORMALISATION + float(np.median(chance)):.1g}"
+    )
+    worst = int(np.argmax(excess))
+    evidence = {
+        **_where(s, worst),
+        "integral": float(integral[worst]),
+        "should_be": float(share[worst]),
+        "quadrature_error": float(error[worst]),
+    }
+    if excess[worst] <= 0:
+        off = float(np.max(np.abs(integral - share)))
+        return passed(
+            "pdf-normalisation", f"the density integrates to what it should within {off:.1g}", power, **evidence
+        )
+    return failed(
+        "pdf-normalisation",
+        f"the density integrates to {integral[worst]:.6g}, and should to {share[worst]:.6g}",
+        power,
+        _replay(probe, s, worst, 0),
+        **evidence,
+    )
+
+
+def check_chi_square(probe: Probe, s: Sampled) -> Outcome:
+    """Directions fall where the density says."""
+    tests, residuals = [], []
+    for i, tree in enumerate(s.trees):
+        n = len(s.counted[i])
+        expected = n * s.integrals.by_bin[0, i, : len(tree.boxes)]
+        observed = tree.hits
+        dead = n - int(s.counted[i].sum())
+        rest = n - float(expected.sum())
+        unsure = 2 * n * s.integrals.error_by_bin[0, i, : len(tree.boxes)]
+        if dead or rest > EXPECTED_REST * n:
+            observed, expected = np.append(observed, dead), np.append(expected, max(rest, 0.0))
+            unsure = np.append(unsure, unsure.sum())
+        tests.append(chi_square(observed, expected, unsure))
+        size = len(tree.boxes)
+        residuals.append(((observed - expected) / np.sqrt(np.maximum(expected, 1.0)))[:size])
+    rate = FALSE_ALARM / len(tests)
+    probability = np.array([t.probability for t in tests])
+    freedom = float(np.median([t.freedom for t in tests]))
+    n = len(s.counted[0])
+    power = (
+        f"{len(tests)} settings and views, {n:,} directions each in {int(freedom) + 1} bins; finds a "
+        f"density that is off by "
+        f"{math.sqrt((8.5 * math.sqrt(2 * freedom) + 10) / n):.1%} (root mean square), at a false-alarm "
+        f"rate of {FALSE_ALARM:g}"
+    )
+    worst = int(np.argmin(probability))
+    t: ChiSquare = tests[worst]
+    leaf = int(np.argmax(residuals[worst]))
+    evidence = {
+        **_where(s, worst),
+        "statistic": t.statistic,
+        "degrees_of_freedom": t.freedom,
+        "probability": t.probability,
+        "probabilities": probability,
+    }
+    if probability[worst] >= rate:
+        return passed(
+            "chi-square",
+            f"directions fall as the density says; smallest of {len(tests)} probabilities {probability[worst]:.2g}",
+            power,
+            **evidence,
+        )
+    bins = {"boxes": s.trees[worst].boxes, "residual": residuals[worst]}
+    return failed(
+        "chi-square",
+        f"directions do not fall as the density says, in {int((probability < rate).sum())} of "
+        f"{len(tests)} settings and views "
+        f"(chi-square {t.statistic:.4g} at {t.freedom} degrees of freedom)",
+        power,
+        _replay(probe, s, worst, _sample_in_leaf(s, worst, leaf)),
+        **evidence,
+        bins=bins,
+    )
+
+
+def check_coverage(probe: Probe, s: Sampled) -> Outcome:
+    """Where the model reflects, the density is above zero."""
+    reflected, lost = s.integrals.total[1], s.integrals.total[2]
+    power = f"{len(lost)} settings and views in double precision; a lost share of the reflected light above {LOST:g}"
+    if not (reflected > 0).any():
+        return not_applicable("coverage", "the model reflects nothing at any setting")
+    share = np.where(reflected > 0, lost / np.maximum(reflected, 1e-300), 0.0)
+    worst = int(np.argmax(share))
+    if share[worst] <= LOST:
+        return passed(
+            "coverage", "the density is above zero wherever the model reflects", power, lost_share=float(share[worst])
+        )
+    return failed(
+        "coverage",
+        f"the density is zero on directions that carry up to {share[worst]:.3g} of the reflected light",
+        power,
+        replay(probe, s.cells.wo[worst], s.cells.parameters[worst], wi=_uncovered_direction(probe, s, worst)),
+        **_where(s, worst),
+        lost_share=float(share[worst]),
+    )
+
+
+def _uncovered_direction(probe: Probe, s: Sampled, cell: int) -> Array:
+    """The direction of density zero that reflects most, out of a fine grid."""
+    z, phi = (a.ravel() for a in np.meshgrid((np.arange(128) + 0.5) / 128, (np.arange(256) + 0.5) / 256 * 2 * np.pi))
+    sine = np.sqrt(1 - z * z)
+    wi = np.stack([sine * np.cos(phi), sine * np.sin(phi), z], axis=1)
+    values = probe.evaluate(s.cells.wo[cell], wi, s.cells.parameters[cell], "double")
+    return np.asarray(wi[int(np.argmax(np.where(values.direction_pdf > 0, -1.0, values.brdf * z)))])
+
+
+def check_unbiased(probe: Probe, s: Sampled) -> Outcome:
+    """The mean weight is the directional albedo: nothing is lost, and weights average to f cos over the density."""
+    reflected, lost, mean, square = s.integrals.total[1:5]
+    n = len(s.weights[0])
+    sampled = np.array([np.minimum(w, limit).mean() for w, limit in zip(s.weights, s.limits, strict=True)])
+    half = np.array(
+        [
+            _bernstein(q - m * m, limit, n, FALSE_ALARM / len(mean))
+            for m, q, limit in zip(mean, square, s.limits, strict=True)
+        ]
+    )
+    rounding = 2e-5 * np.maximum(reflected, 0.0) + 2 * s.integrals.error[3]
+    scale = np.maximum(reflected, 1e-12)
+    off = np.abs(sampled - mean)
+    excess = np.where(reflected > 0, np.maximum((off - half - rounding) / scale, lost / scale - 1e-5), -1.0)
+    excess = np.where(s.bad, -1.0, excess)
+    relative = (half + rounding)[reflected > 0] / scale[reflected > 0]
+    power = (
+        f"{len(mean)} settings and views, {n:,} weights each; finds a bias above "
+        f"{float(np.median(relative)) if len(relative) else 0:.1%}"
+    )
+    worst = int(np.argmax(excess))
+    evidence = {
+        **_where(s, worst),
+        "directional_albedo": float(reflected[worst]),
+        "mean_weight": float(sampled[worst] + (reflected - lost - mean)[worst]),
+        "lost": float(lost[worst]),
+        "interval": float(half[worst]),
+    }
+    if excess[worst] <= 0:
+        return passed("unbiased", "the mean weight is the directional albedo", power, **evidence)
+    return failed(
+        "unbiased",
+        f"the mean weight is {evidence['mean_weight']:.5g}, the directional albedo {reflected[worst]:.5g}"
+        + (f"; {lost[worst]:.3g} lies where the density is zero" if lost[worst] > 1e-5 * scale[worst] else ""),
+        power,
+        _replay(probe, s, worst, int(np.argmax(s.weights[worst]))),
+        **evidence,
+    )

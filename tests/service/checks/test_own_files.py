@@ -1,0 +1,198 @@
+"""A user's own file, run as the command line runs it: in a process of its own, with limits."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from .conftest import BROKEN
+from .materialx_file import write as write_materialx
+
+HEAD = '/*---\nprovides = ["technique"]\nname = "{name}"\ntitle = "Mine"\nsource = "own"\n---*/\n'
+PDF = "float direction_pdf(vec3 wo, vec3 wi) { return INV_PI * max(wi.z, 0.0); }\n"
+COSINE = "DirectionSample sample_direction(vec3 wo, vec2 u) {\n    return cosine_hemisphere(u);\n}\n"
+ENDLESS = (
+    "DirectionSample sample_direction(vec3 wo, vec2 u) { while (true) { u.x += 1.0; } return cosine_hemisphere(u); }\n"
+)
+INCLUDE = '#include "common/hemisphere.glsl"\n'
+
+
+def samplerscope(*arguments):
+    root = Path(__file__).parents[3]
+    environment = {**os.environ, "PYTHONPATH": str(root)}
+    return subprocess.run(
+        [sys.executable, "-c", "from service.cli import main; main()", *map(str, arguments)],
+        capture_output=True, text=True, env=environment, timeout=120, check=False,
+    )  # fmt: skip
+
+
+@pytest.fixture
+def own(tmp_path):
+    def write(code, name="mine"):
+        path = tmp_path / f"{name}.glsl"
+        path.write_text(HEAD.format(name=name) + code)
+        return path
+
+    return write
+
+
+def workers():
+    """Command lines of worker processes that are alive."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            line = path.read_bytes()
+        except OSError:
+            continue
+        if b"service.isolation.worker" in line:
+            found.append(path)
+    return found
+
+
+def test_a_sound_file_passes_and_exits_with_0(own):
+    done = samplerscope("check", own(INCLUDE + COSINE + PDF), "--quick", "--format", "json")
+    result = json.loads(done.stdout)
+    assert done.returncode == 0, done.stderr
+    assert result["status"] == "pass"
+    assert result["model"] == "eon"
+
+
+def test_a_broken_file_exits_with_1_and_writes_every_report(tmp_path):
+    reports = [tmp_path / f"card{suffix}" for suffix in (".html", ".json", ".md")]
+    options = [word for path in reports for word in ("--report", path)]
+    done = samplerscope("check", BROKEN / "thin-tail.glsl", "--model", "lambert", "--quick", *options)
+    assert done.returncode == 1
+    assert "FAIL  tail" in done.stdout
+    page, data, text = (path.read_text() for path in reports)
+    assert page.count("<svg") >= 2
+    assert "--u 0x" in page
+    assert "src=" not in page  # nothing to load
+    assert json.loads(data)["status"] == "fail"
+    assert "| tail | **FAIL** |" in text
+    assert "samplerscope check" in text
+
+
+def test_compile_errors_have_the_files_own_lines(own):
+    path = own(INCLUDE + COSINE + "float direction_pdf(vec3 wo, vec3 wi) {\n    return brightness;\n}\n")
+    done = samplerscope("check", path, "--quick")
+    assert done.returncode == 2
+    assert f"{path}:12: 'brightness' : undeclared identifier" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("code", "says"),
+    [
+        (INCLUDE + ENDLESS + PDF, "65,535"),
+        ("float table[268435456];\nDirectionSample sample_direction(vec3 wo, vec2 u) { table[int(u.x * 1e3)] = u.y;"
+         " return DirectionSample(vec3(0, 0, 1), table[int(u.y * 1e8)]); }\n" + PDF, "memory"),
+        ('#include "/etc/hostname"\n' + COSINE + PDF, ':7: #include "/etc/hostname"'),
+        ('#include "../../etc/hostname"\n' + COSINE + PDF, "no such file to include"),
+        ("shared float x[10];\n" + COSINE + PDF, ":7: shared"),
+    ],
+    ids=["endless loop", "1 GB array", "host file", "host file by relative path", "shared memory"],
+)  # fmt: skip
+def test_what_cannot_run_is_one_clear_error_within_60_seconds_and_leaves_nothing(own, tmp_path, code, says):
+    path, begin, before = own(code), time.monotonic(), set(tmp_path.iterdir())
+    done = samplerscope("check", path, "--quick", "-o", tmp_path / "out.json")
+    assert time.monotonic() - begin < 60
+    assert done.returncode == 2
+    assert says in done.stderr
+    assert "Traceback" not in done.stderr
+    assert set(tmp_path.iterdir()) == before | {path}
+    assert not workers()
+
+
+def test_silence_ends_the_worker(own, monkeypatch):
+    from service.isolation import OwnFileFailed, run_isolated, tasks
+
+    arguments = {
+        "subject": str(own(INCLUDE + COSINE + PDF)),
+        "model": None,
+        "techniques": None,
+        "fixed": {},
+        "device": None,
+        "seed": 0,
+        "quick": False,
+    }
+    assert "check" in tasks.TASKS
+    with pytest.raises(OwnFileFailed, match=r"no answer for 0\.05 s"):
+        run_isolated("check", arguments, silence_s=0.05)
+    assert not workers()
+
+
+def test_statistics_take_a_file_and_never_the_reference_of_an_entry_of_the_same_name(own):
+    """A file called like a technique of the catalogue, with another density: the catalogue's truth must not judge
+    it.
+    """
+    code = INCLUDE + "DirectionSample sample_direction(vec3 wo, vec2 u) { return uniform_hemisphere(u); }\n"
+    path = own(code + "float direction_pdf(vec3 wo, vec3 wi) { return UNIFORM_DENSITY; }\n", "cosine")
+    done = samplerscope("stats", "--model", path, "--samples", "20000", "--theta-o-deg", "0,60", "--format", "json")
+    assert done.returncode == 0, done.stderr
+    (series,) = json.loads(done.stdout)["series"]
+    assert series["technique"] == "cosine"
+    assert series["reference"] is None
+    assert series["mean"] == pytest.approx([1, 1], abs=0.03)
+    assert "biased" not in {finding["name"] for finding in series["verdict"]["findings"]}
+
+
+def test_a_loop_in_statistics_that_reaches_the_limit_is_an_error(own):
+    loop = "float x = 0.0; for (int i = 0; i < 400; i++) x += u.x;"
+    code = (
+        f"DirectionSample sample_direction(vec3 wo, vec2 u) "
+        f"{{ {loop} return cosine_hemisphere(vec2(u.x, fract(x))); }}\n"
+    )
+    done = samplerscope("stats", "--model", own(INCLUDE + code + PDF), "--samples", "20000", "--angles", "2")
+    assert done.returncode == 2
+    assert "loop" in done.stderr
+
+
+def test_stability_takes_a_file(own):
+    fragile = "float direction_pdf(vec3 wo, vec3 wi) { return INV_PI * max(wi.z, 0.0) * (wo.z / wo.z); }\n"
+    done = samplerscope("stability", "--model", own(INCLUDE + COSINE + fragile), "--format", "json")
+    result = json.loads(done.stdout)
+    assert done.returncode == 1
+    assert result["status"] == "fail"
+    assert result["checks"][0]["evidence"]["nonfinite"] > 0
+    assert "--wo" in result["checks"][0]["replay"]["command"]
+
+
+def test_functions_that_materialx_ships_are_checked_and_their_energy_gain_is_found(tmp_path):
+    """The energy-compensated lobe is called with dot(L, V) clamped at 0, as in the package's BSDF: it gains 16 %."""
+    path = write_materialx(tmp_path, "materialx-compensated")
+    done = samplerscope("check", path, "--technique", "cosine", "--quick", "--format", "json")
+    result = json.loads(done.stdout)
+    failed = [check for check in result["checks"] if check["status"] == "fail"]
+    assert done.returncode == 1, done.stderr
+    assert [check["name"] for check in failed] == ["energy"]
+    assert 1.1 < failed[0]["evidence"]["largest_albedo"] < 1.2
+    assert failed[0]["replay"]["command"].startswith("samplerscope check ")
+    statistics = samplerscope("stats", "--model", path, "--samples", "20000", "--theta-o-deg", "80", "--format", "json")
+    means = [series["mean"][0] for series in json.loads(statistics.stdout)["series"]]
+    assert len(means) == 2
+    assert means == pytest.approx([1.12, 1.12], abs=0.04)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["nothing"], "subject = nothing"),
+        (["nothing.glsl"], "can be read"),
+        (["cosine", "--model", "phong"], "model = phong"),
+        (["cosine", "--set", "roughness=x"], "set = roughness=x"),
+        (["cosine", "--set", "gloss=1"], "parameters.gloss"),
+        (["cosine", "--seed", "-1"], "seed = -1"),
+        (["cosine", "--report", "card.pdf"], ".html"),
+        (["cosine", "--u", "0,0"], "wo"),
+        (["cosine", "--wo", "0,0,1"], "--u or --wi"),
+        (["cosine", "--wo", "0,0", "--u", "0,0"], "wo = 0,0"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_code_2(arguments, says):
+    done = samplerscope("check", *arguments)
+    assert done.returncode == 2
+    assert says in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
