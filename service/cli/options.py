@@ -32,7 +32,7 @@ def scene_options(command: Command) -> Command:
     for option in reversed(
         (
             click.option(
-                "--model", default="eon", show_default=True, metavar="NAME|FILE", help="The BRDF, a file of your own, or all."
+                "--model", default="eon", show_default=True, metavar="NAME|FILE", help="The BRDF, own file, or all."
             ),
             click.option(
                 "--set", "settings", multiple=True, metavar="NAME=V1,V2,...",
