@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import struct
 import time
 from collections.abc import Mapping
 from typing import Any
@@ -12,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from service.engine import Engine
+from service.probe import Probe
 from service.scene import Question, radians
 from service.statistics import Progress
 
-_INPUT = np.dtype([("view", "<f4", 4), ("value", "<f4", 4)])
-TIMEOUT_S = 60.0
 LIGHTS = 181
 
 
@@ -59,20 +57,8 @@ def values_in_plane(
 
     Angles are radians; the albedo is 0 where the model declares none.
     """
-    entry, technique = engine.catalogue.model(model), engine.catalogue.technique("cosine")
-    pipeline = engine.pipeline(entry, technique, "probe", {0: False})
-    table = np.zeros(len(theta_i), _INPUT)
-    table["view"][:, :3] = math.sin(theta_o), 0.0, math.cos(theta_o)
-    table["value"][:, 0], table["value"][:, 2] = np.sin(theta_i), np.cos(theta_i)
-    rows = np.tile(np.array(list(parameters.values()), np.float32), len(theta_i))
-    with (
-        engine.device.buffer((len(table),), _INPUT) as inputs,
-        engine.device.buffer((len(rows),), np.float32) as values,
-        engine.device.buffer((len(table), 8), np.float32) as outputs,
-    ):
-        inputs.array[:], values.array[:] = table, rows
-        commands = engine.device.record()
-        groups = (-(-len(table) // 64), 1, 1)
-        commands.dispatch(pipeline, [inputs, values, outputs], groups, push_constants=struct.pack("<I", len(table)))
-        commands.submit().wait(TIMEOUT_S)
-        return np.asarray(outputs.array[:, 4], np.float64), float(outputs.array[0, 7])
+    probe = Probe(engine, engine.catalogue.model(model), engine.catalogue.technique("cosine"))
+    wo = np.array([[math.sin(theta_o), 0.0, math.cos(theta_o)]])
+    wi = np.stack([np.sin(theta_i), np.zeros_like(theta_i), np.cos(theta_i)], axis=1)
+    found = probe.evaluate(wo, wi, np.array([[parameters[name] for name in probe.names]]))
+    return found.brdf.astype(np.float64), float(found.albedo[0])

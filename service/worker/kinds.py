@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 _TIMING_SAMPLES = 10**9
 """Some tens of seconds on the device."""
 
+_EDGE_POINTS = 200_000
+"""About what the edge grid of a model and a technique has, in float32 and again in float64."""
+
 
 @dataclass(frozen=True)
 class Kind:
@@ -67,6 +70,10 @@ def _convergence_samples(question: Question) -> int:
     return _cells(question) * scene.counts[-1] * scene.replicates * len(scene.estimators)
 
 
+def _stability_samples(question: Question) -> int:
+    return _EDGE_POINTS * len({(plan.model, plan.technique) for plan in question.series})
+
+
 def compute_catalogue_timings(question: Question, engine: Engine, progress: Progress) -> dict[str, Any]:
     """Timings are of the whole catalogue, whatever the question."""
     from service.convergence import compute_timings
@@ -93,6 +100,14 @@ KINDS: Mapping[str, Kind] = {
             parse=parse_convergence_scene,
             samples=_convergence_samples,
             function="service.convergence:compute_convergence",
+        ),
+        Kind(
+            name="stability",
+            title="Stiff and extreme cases: float32 against float64 where formulas break",
+            scene=Scene,
+            parse=parse_scene,
+            samples=_stability_samples,
+            function="service.stability:compute_stability",
         ),
         Kind(
             name="slices",

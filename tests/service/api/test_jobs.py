@@ -161,3 +161,14 @@ def test_convergence_is_a_job_whose_result_then_answers_the_question(server):
         link.replace("replicates=32", "replicates=2").replace("target_error=0.1", "target_error=7")
     )
     assert {error["field"] for error in wrong.json()["errors"]} == {"replicates", "target_error"}
+
+
+def test_stability_is_a_job_whose_result_then_answers_the_question(server):
+    path = "/v1/stability?model=lambert&techniques=cosine"
+    reply = server.client.get(path)
+    assert reply.status_code == 202
+    found = server.await_job(reply.headers["location"])
+    assert (found["kind"], found["state"]) == ("stability", "done")
+    result = server.client.get(path).json()
+    assert (result["kind"], result["status"]) == ("stability", "pass")
+    assert sum(region["nonfinite"] for region in result["regions"]) == 0
