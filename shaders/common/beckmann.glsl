@@ -8,22 +8,21 @@
 #include "common/half-vector.glsl"
 #include "common/logarithm.glsl"
 
-// q of eq. 4: exp(-tan^2(theta_h) (cos^2 phi_h/mx^2 + sin^2 phi_h/my^2)).
-float beckmann_exponential(HalfVector h, float mx, float my) {
+// log q of eq. 4: -tan^2(theta_h) (cos^2 phi_h/mx^2 + sin^2 phi_h/my^2).
+float beckmann_exponent(HalfVector h, float mx, float my) {
     vec2 scaled = h.slope / vec2(mx, my);
-    return exp(-min(dot(scaled, scaled), 1.0e4));
+    return -dot(scaled, scaled);
 }
 
-// D of eq. 5, whose integral with the cosine is 1.
-float beckmann(HalfVector h, float mx, float my) {
-    float q = beckmann_exponential(h, mx, my);
-    float secant2 = 1.0 + h.tangent2;
-    return q > 0.0 ? q * secant2 * secant2 / (PI * mx * my) : 0.0;
+// D of eq. 5 over q: 1/(pi mx my cos^4). The integral of D with the cosine is 1. Where tan^2 is cut, q is below e^-1e4.
+float beckmann_scale(HalfVector h, float mx, float my) {
+    float secant2 = 1.0 + min(h.tangent2, 1.0e6);
+    return secant2 * secant2 / (PI * mx * my);
 }
 
 // Density of wi (eq. 20).
 float beckmann_density(HalfVector h, float mx, float my) {
-    return reflected_density(beckmann(h, mx, my) * h.cosine, h);
+    return reflected_density(beckmann_scale(h, mx, my) * h.cosine, beckmann_exponent(h, mx, my), h);
 }
 
 // Slope of a half vector with density D cos (eq. 16 to 19). Written with slopes, the two arc tangents and the quadrant

@@ -4,9 +4,12 @@
 
 #include "common/beckmann.glsl"
 
-// F D/(4 wo.h (ci co)^alpha); `fresnel` is F. The caller sees to it that both cosines are positive.
-float kurt_lobe(HalfVector h, float cosines, float fresnel, float mx, float my, float alpha) {
-    return fresnel * beckmann(h, mx, my) / (4.0 * h.to_view * pow(cosines, alpha));
+// reflectance D/(4 wo.h (ci co)^alpha). 0 where a cosine is not positive.
+float kurt_lobe(HalfVector h, float ci, float co, float reflectance, float mx, float my, float alpha) {
+    float shadowing = alpha > 0.0 ? -alpha * (log(ci) + log(co)) : 0.0;
+    float x = beckmann_exponent(h, mx, my) + shadowing;
+    float f = exponential_ratio(reflectance, 0.25 * beckmann_scale(h, mx, my), x, h.to_view, 1.0);
+    return min(ci, co) > 0.0 ? f : 0.0;
 }
 
 #endif

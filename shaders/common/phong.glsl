@@ -7,16 +7,21 @@
 #include "common/half-vector.glsl"
 #include "common/logarithm.glsl"
 
-// (n.h)^exponent for the exponent at the azimuth of h, as exp(-exponent/2 log(1 + tan^2)): a pow of a cosine that float32
-// cannot tell from 1 is off by 6e-4 at exponent 2e4.
-float phong_power(HalfVector h, float nu, float nv) {
+// log of (n.h)^exponent for the exponent at the azimuth of h, as -exponent/2 log(1 + tan^2): a pow of a cosine that float32
+// cannot tell from 1 is off by 6e-4 at exponent 2e4. 0 at the normal, where the exponent as printed is 0/0.
+float phong_exponent(HalfVector h, float nu, float nv) {
     float series = h.tangent2 > 0.0 ? log_one_plus(h.tangent2) / h.tangent2 : 1.0;
-    return exp(-0.5 * series * (nu * h.slope.x * h.slope.x + nv * h.slope.y * h.slope.y));
+    return -0.5 * series * (nu * h.slope.x * h.slope.x + nv * h.slope.y * h.slope.y);
 }
 
-// Density of h per steradian.
-float phong(HalfVector h, float nu, float nv) {
-    return sqrt((nu + 1.0) * (nv + 1.0)) * 0.159154943091895 * phong_power(h, nu, nv); // 1/(2 pi)
+// The density of h per steradian at the normal.
+float phong_scale(float nu, float nv) {
+    return sqrt(nu + 1.0) * sqrt(nv + 1.0) * 0.159154943091895; // 1/(2 pi)
+}
+
+// Density of wi.
+float phong_density(HalfVector h, float nu, float nv) {
+    return reflected_density(phong_scale(nu, nv), phong_exponent(h, nu, nv), h);
 }
 
 // Slope of a half vector with that density. tan^2 = (1 - u1)^(-2/(1 + e)) - 1, e the exponent at its azimuth.

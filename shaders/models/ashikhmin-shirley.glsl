@@ -28,6 +28,7 @@ help = "Phong exponent along y"
 
 float brdf(vec3 wi, vec3 wo) {
     HalfVector h = half_vector(wi, wo);
-    float f = schlick(f0, h.to_view) * phong(h, nu, nv) / (4.0 * h.to_view * max(wi.z, wo.z));
+    float scale = 0.25 * phong_scale(nu, nv);
+    float f = exponential_ratio(schlick(f0, h), scale, phong_exponent(h, nu, nv), h.to_view, max(wi.z, wo.z));
     return min(wi.z, wo.z) > 0.0 ? f : 0.0;
 }

@@ -25,14 +25,15 @@ help = "root mean square slope of the facets along y"
 ---*/
 #include "common/beckmann.glsl"
 
-// The V cavity of Cook and Torrance: the part of a facet that is neither shadowed nor masked.
-float unshadowed(HalfVector h, float ci, float co) {
-    return min(1.0, 2.0 * h.cosine * min(ci, co) / h.to_view);
+// ci co over the V cavity of Cook and Torrance, min(1, 2 n.h min(ci, co)/wo.h), as a product of two: max(ci, co) and this.
+float unshadowed_cosine(HalfVector h, float ci, float co) {
+    return max(min(ci, co), 0.5 * h.to_view / h.cosine);
 }
 
 float brdf(vec3 wi, vec3 wo) {
     HalfVector h = half_vector(wi, wo);
-    float shadowing = unshadowed(h, wi.z, wo.z);
-    float f = schlick(f0, h.to_view) * beckmann(h, mx, my) * shadowing / (4.0 * (wi.z * wo.z));
+    float scale = 0.25 * beckmann_scale(h, mx, my);
+    float x = beckmann_exponent(h, mx, my);
+    float f = exponential_ratio(schlick(f0, h), scale, x, max(wi.z, wo.z), unshadowed_cosine(h, wi.z, wo.z));
     return min(wi.z, wo.z) > 0.0 ? f : 0.0;
 }

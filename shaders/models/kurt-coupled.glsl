@@ -46,7 +46,7 @@ help = "exponent of the shadowing term (ci co)^-alpha"
 
 float brdf(vec3 wi, vec3 wo) {
     HalfVector h = half_vector(wi, wo);
-    float fresnel = schlick(f0, h.to_view);
-    float f = kd * (1.0 - fresnel) * INV_PI + ks * kurt_lobe(h, wi.z * wo.z, fresnel, mx, my, alpha);
+    float specular = kurt_lobe(h, wi.z, wo.z, ks * schlick(f0, h), mx, my, alpha);
+    float f = kd * schlick_rest(f0, h) * INV_PI + specular;
     return min(wi.z, wo.z) > 0.0 ? f : 0.0;
 }

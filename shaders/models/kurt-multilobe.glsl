@@ -76,9 +76,8 @@ help = "exponent of the shadowing term (ci co)^-alpha, lobe 2"
 
 float brdf(vec3 wi, vec3 wo) {
     HalfVector h = half_vector(wi, wo);
-    float cosines = wi.z * wo.z;
-    float first = ks1 * kurt_lobe(h, cosines, schlick(f01, h.to_view), mx1, my1, alpha1);
-    float second = ks2 * kurt_lobe(h, cosines, schlick(f02, h.to_view), mx2, my2, alpha2);
+    float first = kurt_lobe(h, wi.z, wo.z, ks1 * schlick(f01, h), mx1, my1, alpha1);
+    float second = kurt_lobe(h, wi.z, wo.z, ks2 * schlick(f02, h), mx2, my2, alpha2);
     float f = kd * INV_PI + first + second;
     return min(wi.z, wo.z) > 0.0 ? f : 0.0;
 }

@@ -34,6 +34,7 @@ help = "root mean square slope of the facets along y"
 
 float brdf(vec3 wi, vec3 wo) {
     HalfVector h = half_vector(wi, wo);
-    float f = ks * schlick(f0, h.to_view) * beckmann(h, mx, my) / (4.0 * h.to_view * max(wi.z, wo.z));
+    float scale = 0.25 * beckmann_scale(h, mx, my);
+    float f = exponential_ratio(ks * schlick(f0, h), scale, beckmann_exponent(h, mx, my), h.to_view, max(wi.z, wo.z));
     return min(wi.z, wo.z) > 0.0 ? f : 0.0;
 }

@@ -46,6 +46,6 @@ help = "exponent of the shadowing term (ci co)^-alpha"
 
 float brdf(vec3 wi, vec3 wo) {
     HalfVector h = half_vector(wi, wo);
-    float f = kd * INV_PI + ks * kurt_lobe(h, wi.z * wo.z, schlick(f0, h.to_view), mx, my, alpha);
+    float f = kd * INV_PI + kurt_lobe(h, wi.z, wo.z, ks * schlick(f0, h), mx, my, alpha);
     return min(wi.z, wo.z) > 0.0 ? f : 0.0;
 }

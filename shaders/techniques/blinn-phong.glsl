@@ -10,7 +10,7 @@ below_horizon = true
 #include "common/phong.glsl"
 
 float direction_pdf(vec3 wo, vec3 wi) {
-    return reflected_density(phong(half_vector(wi, wo), n, n), half_vector(wi, wo));
+    return phong_density(half_vector(wi, wo), n, n);
 }
 
 // The density is taken at the rounded direction, where the model is evaluated too: what both share cancels.
