@@ -17,7 +17,7 @@ from service.engine import Engine
 from service.probe import Probe
 from service.scene import Question
 from service.stability import regions
-from service.stability.stiffness import condition_numbers, rounding_effect
+from service.stability.stiffness import condition_numbers, direction_rounding_effect, rounding_effect
 from service.stability.survey import Comparison, Points, compare, edge_points
 
 Array = NDArray[Any]
@@ -108,9 +108,10 @@ def _exceptions(
         return listed, wrong
     kept, at_horizon = points[over], points.drawn & (np.abs(height[over]) < AT_HORIZON)
     effects = rounding_effect(probe, kept)
+    of_direction = direction_rounding_effect(probe, kept) if points.drawn else {}
     for c in comparisons:
         part = Comparison(c.quantity, c.value[over], c.truth[over], c.ulp[over], c.nonfinite[over], c.beyond[over])
-        for e in regions.exceptions(kept, part, effects[c.quantity], at_horizon):
+        for e in regions.exceptions(kept, part, effects[c.quantity], at_horizon, of_direction.get(c.quantity)):
             where = regions.place(probe, kept, part, e.worst)
             listed.append(
                 {

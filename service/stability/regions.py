@@ -107,12 +107,16 @@ def place(probe: Probe, points: Points, comparison: Comparison, i: int) -> dict[
     }
 
 
-def exceptions(points: Points, comparison: Comparison, effect: Array, at_horizon: Array) -> list[Exceptional]:
-    """Points beyond the limit inside all ranges, by reason: stiff inputs, the horizon, digits lost, or wrong.
+def exceptions(
+    points: Points, comparison: Comparison, effect: Array, at_horizon: Array, of_direction: Array | None = None
+) -> list[Exceptional]:
+    """Points beyond the limit inside all ranges, by reason: stiff inputs, the horizon, a stiff direction, digits lost, or
+    wrong.
 
     effect: the change of the true value by one rounding of each input, (n,). at_horizon: whether the true direction
     that
-    is drawn lies within a few roundings of the horizon, (n,).
+    is drawn lies within a few roundings of the horizon, (n,). of_direction: the change of the true value by one rounding
+    of each component of the direction that is drawn, (n,).
     """
     if comparison.quantity == "direction":
         unit, size = np.full(len(points), DIRECTION_ULP), np.ones(len(points))
@@ -123,12 +127,15 @@ def exceptions(points: Points, comparison: Comparison, effect: Array, at_horizon
     relative = comparison.ulp * unit / size
     stiff = over & (comparison.ulp <= ULP_LIMIT * (1.0 + allowed))
     border = over & ~stiff & at_horizon
-    lost = over & ~stiff & ~border & (relative <= LOST)
+    blurred = np.zeros(len(points), bool) if of_direction is None else comparison.ulp <= ULP_LIMIT * (1 + of_direction / unit)
+    blurred &= over & ~stiff & ~border
+    lost = over & ~stiff & ~border & ~blurred & (relative <= LOST)
     reasons = (
         ("stiff: rounding the inputs changes the true value by as much", stiff),
         ("the direction drawn lies at the horizon, where rounding decides whether it counts", border),
+        ("stiff in the direction drawn: rounding it to float32 changes the true value by as much", blurred),
         ("digits lost in rounding of intermediate values", lost),
-        (WRONG, over & ~stiff & ~border & ~lost),
+        (WRONG, over & ~stiff & ~border & ~blurred & ~lost),
     )
     out = []
     for reason, mask in reasons:

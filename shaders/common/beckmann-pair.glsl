@@ -4,7 +4,6 @@
 #define SAMPLERSCOPE_BECKMANN_PAIR
 
 #include "common/beckmann.glsl"
-#include "common/mixture.glsl"
 
 struct BeckmannPair {
     vec2 first;         // mx, my
@@ -13,21 +12,27 @@ struct BeckmannPair {
 };
 
 BeckmannPair beckmann_pair(float ks1, vec2 first, float ks2, vec2 second) {
-    float both = ks1 + ks2;
-    return BeckmannPair(first, second, both > 0.0 ? vec2(ks1, ks2) / both : vec2(0.5));
+    vec2 share = max(vec2(ks1, ks2), 0.0);
+    float both = share.x + share.y;
+    return BeckmannPair(first, second, both > 0.0 ? share / both : vec2(0.5));
 }
 
+// Where the second lobe is the rarer one, its part [1 - P, 1) is measured from 1: u1 - (1 - P) has lost the digits of P.
 vec3 beckmann_pair_sample(BeckmannPair pair, vec3 wo, vec2 u) {
-    bool first = u.x < pair.probability.x; // never at probability 0, so u1 / P is not 0/0
+    vec2 p = pair.probability;
+    bool from_one = p.y < 0.5;
+    bool first = from_one ? 1.0 - u.x > p.y : u.x < p.x; // a lobe of probability 0 is never drawn
+    float second_u1 = from_one ? 1.0 - (1.0 - u.x) / p.y : (u.x - p.x) / p.y;
+    float u1 = min(first ? u.x / p.x : second_u1, ONE_MINUS_EPSILON);
     vec2 lobe = first ? pair.first : pair.second;
-    float u1 = first ? u.x / pair.probability.x : stretched(u.x, pair.probability.x);
     return reflect_about(wo, beckmann_slope(vec2(u1, u.y), lobe.x, lobe.y));
 }
 
-float beckmann_pair_density(BeckmannPair pair, vec3 wo, vec3 wi) {
+// share times the density of wi.
+float beckmann_pair_density(float share, BeckmannPair pair, vec3 wo, vec3 wi) {
     HalfVector h = half_vector(wi, wo);
-    return pair.probability.x * beckmann_density(h, pair.first.x, pair.first.y)
-        + pair.probability.y * beckmann_density(h, pair.second.x, pair.second.y);
+    return beckmann_density(share * pair.probability.x, h, pair.first.x, pair.first.y)
+        + beckmann_density(share * pair.probability.y, h, pair.second.x, pair.second.y);
 }
 
 #endif

@@ -20,9 +20,9 @@ float beckmann_scale(HalfVector h, float mx, float my) {
     return secant2 * secant2 / (PI * mx * my);
 }
 
-// Density of wi (eq. 20).
-float beckmann_density(HalfVector h, float mx, float my) {
-    return reflected_density(beckmann_scale(h, mx, my) * h.cosine, beckmann_exponent(h, mx, my), h);
+// share times the density of wi (eq. 20). A tiny share of a mixture may be all that makes a density fit in float32.
+float beckmann_density(float share, HalfVector h, float mx, float my) {
+    return reflected_density(share, beckmann_scale(h, mx, my) * h.cosine, beckmann_exponent(h, mx, my), h);
 }
 
 // Slope of a half vector with density D cos (eq. 16 to 19). Written with slopes, the two arc tangents and the quadrant

@@ -33,11 +33,11 @@ vec3 reflect_about(vec3 wo, vec2 slope) {
     return 2.0 * dot(wo, h) / dot(h, h) * h - wo;
 }
 
-// The density of wi, given that of h as scale exp(x), both per steradian (Walter's Jacobian 1/(4 wo.h)). It covers the
+// share times the density of wi, given that of h as scale exp(x), both per steradian (Walter's Jacobian 1/(4 wo.h)). It covers the
 // sphere: directions below the horizon are drawn too. wi = -wo, which h drawn at a right angle to wo gives, counts as never
 // drawn.
-float reflected_density(float scale, float x, HalfVector h) {
-    return h.to_view > 0.0 ? exponential_ratio(0.25, scale, x, h.to_view, 1.0) : 0.0;
+float reflected_density(float share, float scale, float x, HalfVector h) {
+    return h.to_view > 0.0 ? exponential_ratio(share, 0.25 * scale, x, h.to_view, 1.0) : 0.0;
 }
 
 // Schlick's approximation of Fresnel reflectance.

@@ -21,7 +21,7 @@ float phong_scale(float nu, float nv) {
 
 // Density of wi.
 float phong_density(HalfVector h, float nu, float nv) {
-    return reflected_density(phong_scale(nu, nv), phong_exponent(h, nu, nv), h);
+    return reflected_density(1.0, phong_scale(nu, nv), phong_exponent(h, nu, nv), h);
 }
 
 // Slope of a half vector with that density. tan^2 = (1 - u1)^(-2/(1 + e)) - 1, e the exponent at its azimuth.

@@ -10,7 +10,7 @@ below_horizon = true
 #include "common/beckmann.glsl"
 
 float direction_pdf(vec3 wo, vec3 wi) {
-    return beckmann_density(half_vector(wi, wo), mx, my);
+    return beckmann_density(1.0, half_vector(wi, wo), mx, my);
 }
 
 // The density is taken at the rounded direction, where the model is evaluated too: what both share cancels.

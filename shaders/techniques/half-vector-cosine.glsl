@@ -19,8 +19,8 @@ help = "probability of the half-vector lobe; cosine otherwise"
 #include "common/mixture.glsl"
 
 float direction_pdf(vec3 wo, vec3 wi) {
-    float lobe = beckmann_density(half_vector(wi, wo), mx, my);
-    return lobe_probability * lobe + (1.0 - lobe_probability) * INV_PI * max(wi.z, 0.0);
+    float lobe = beckmann_density(lobe_probability, half_vector(wi, wo), mx, my);
+    return lobe + (1.0 - lobe_probability) * INV_PI * max(wi.z, 0.0);
 }
 
 // The density is taken at the rounded direction, where the model is evaluated too: what both share cancels.

@@ -19,8 +19,8 @@ help = "probability of the half-vector lobe; cosine otherwise"
 #include "common/mixture.glsl"
 
 float direction_pdf(vec3 wo, vec3 wi) {
-    float lobe = beckmann_pair_density(beckmann_pair(ks1, vec2(mx1, my1), ks2, vec2(mx2, my2)), wo, wi);
-    return lobe_probability * lobe + (1.0 - lobe_probability) * INV_PI * max(wi.z, 0.0);
+    float lobe = beckmann_pair_density(lobe_probability, beckmann_pair(ks1, vec2(mx1, my1), ks2, vec2(mx2, my2)), wo, wi);
+    return lobe + (1.0 - lobe_probability) * INV_PI * max(wi.z, 0.0);
 }
 
 // The density is taken at the rounded direction, where the model is evaluated too: what both share cancels.

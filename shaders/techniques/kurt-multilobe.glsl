@@ -11,7 +11,7 @@ mixture = true
 #include "common/beckmann-pair.glsl"
 
 float direction_pdf(vec3 wo, vec3 wi) {
-    return beckmann_pair_density(beckmann_pair(ks1, vec2(mx1, my1), ks2, vec2(mx2, my2)), wo, wi);
+    return beckmann_pair_density(1.0, beckmann_pair(ks1, vec2(mx1, my1), ks2, vec2(mx2, my2)), wo, wi);
 }
 
 // The density is taken at the rounded direction, where the model is evaluated too: what both share cancels.
