@@ -14,7 +14,7 @@ from service.catalogue import Entry
 from service.checks.outcome import plain
 from service.checks.selection import replay_command
 from service.engine import Engine
-from service.probe import Probe
+from service.probe import Probe, Values
 from service.scene import Question
 from service.stability import regions
 from service.stability.stiffness import condition_numbers, direction_rounding_effect, rounding_effect
@@ -76,7 +76,8 @@ def survey_pair(
     for drawn in (True, False):
         points = edge_points(probe, given, drawn)
         truth = points.evaluate(probe, "double")
-        comparisons = compare(points, points.evaluate(probe, "float"), truth, quantities)
+        single = points.evaluate(probe, "float")
+        comparisons = compare(points, single, truth, quantities, _density_at_rounded(probe, points, single))
         areas += regions.describe_regions(probe, points, comparisons)
         entries, bad = _exceptions(probe, points, comparisons, truth.wi[:, 2])
         listed += entries
@@ -95,6 +96,13 @@ def survey_pair(
         "stiffness": conditions,
         "checks": [_check(technique.name, counts, first_bad)],
     }
+
+
+def _density_at_rounded(probe: Probe, points: Points, single: Values) -> Array | None:
+    """The true density at the float32 directions that were drawn, (n,); None where it cannot matter."""
+    if not points.drawn or np.isfinite(single.pdf).all():
+        return None
+    return probe.evaluate(points.wo, single.wi, points.parameters, "double").direction_pdf
 
 
 def _exceptions(

@@ -155,17 +155,28 @@ def _special_directions(wo: Array, which: Array) -> Array:
     return np.asarray(candidates[which, np.arange(len(w))], np.float32)
 
 
-def compare(points: Points, single: Values, double: Values, given: tuple[str, ...]) -> list[Comparison]:
-    """The quantities of these points: of drawn ones direction, pdf and weight, else those in `given`."""
+def compare(
+    points: Points, single: Values, double: Values, given: tuple[str, ...], at_rounded: Array | None = None
+) -> list[Comparison]:
+    """The quantities of these points: of drawn ones direction, pdf and weight, else those in `given`.
+
+    at_rounded: of drawn ones the true density at the direction in float32, (n,). A sampler answers for that direction:
+    the density there may exceed the float32 maximum where the one at the exact direction does not.
+    """
     if points.drawn:
         pdf, brdf, weight = (_scalar(name, single, double) for name in ("pdf", "brdf", "weight"))
+        if at_rounded is not None:
+            pdf = _apart(pdf, np.isinf(single.pdf) & (np.abs(at_rounded) > FLOAT32_MAX))
         # A ratio of values that have no float32 has none either.
-        without = weight.beyond | pdf.beyond | brdf.beyond
-        weight = replace(
-            weight, beyond=without, nonfinite=weight.nonfinite & ~without, ulp=np.where(without, 0.0, weight.ulp)
-        )
+        weight = _apart(weight, pdf.beyond | brdf.beyond)
         return [_direction(single.wi, double.wi), pdf, weight]
     return [_scalar(name, single, double) for name in given]
+
+
+def _apart(c: Comparison, beyond: Array) -> Comparison:
+    """The comparison with these points, too, counted as beyond float32."""
+    beyond = c.beyond | beyond
+    return replace(c, beyond=beyond, nonfinite=c.nonfinite & ~beyond, ulp=np.where(beyond, 0.0, c.ulp))
 
 
 def _scalar(name: str, single: Values, double: Values) -> Comparison:

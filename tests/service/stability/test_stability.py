@@ -14,7 +14,7 @@ from service.stability.grid import EDGE_COSINES, EDGE_NUMBERS, edge_settings, ed
 from service.stability.stiffness import condition_numbers, rounding_effect
 from service.stability.survey import Points, edge_points
 
-MODELS = ["eon", "fon", "eon-approx", "lambert"]
+MODELS = sorted(load_catalogue().models)
 
 
 @pytest.fixture(scope="module")
