@@ -28,12 +28,12 @@ float arcsine(float x) {
     return large ? HALF_PI - 2.0 * y : y;
 }
 
+#endif
+
 // The angle of w to the normal, from its sine where that is the smaller part: accurate at the normal and at grazing.
 float polar_angle(vec3 w) {
     float sine = length(w.xy);
     return sine < abs(w.z) ? arcsine(sine) : HALF_PI - arcsine(w.z);
 }
-
-#endif
 
 #endif
