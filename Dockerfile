@@ -43,7 +43,7 @@ RUN --mount=type=secret,id=pipconf,target=/etc/pip.conf,required=false \
 
 # Compiles every shader of the catalogue once, so that a container starts with warm caches.
 ENV SAMPLERSCOPE_CACHE_DIR=/opt/cache/samplerscope MESA_SHADER_CACHE_DIR=/opt/cache/mesa
-RUN mkdir -p /opt/cache/mesa && cd / && /opt/samplerscope/bin/python -m service.container warm
+RUN mkdir -p /opt/cache/mesa && cd / && /opt/samplerscope/bin/python -m service.container warm $([ "$OWN_GLSL" = yes ] || echo everything)
 
 # The image: the interpreter, the environment, lavapipe, and the libraries these link to.
 RUN set -eu; \

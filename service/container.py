@@ -12,6 +12,7 @@ import sys
 import urllib.request
 from http import HTTPStatus
 from pathlib import Path
+from typing import get_args
 
 CACHES = ("SAMPLERSCOPE_CACHE_DIR", "MESA_SHADER_CACHE_DIR")
 
@@ -19,11 +20,12 @@ CACHES = ("SAMPLERSCOPE_CACHE_DIR", "MESA_SHADER_CACHE_DIR")
 def main() -> None:
     """The command line, and two words of the image's own.
 
-    `warm` fills the caches when the image is built, `healthy` is its health check.
+    `warm` fills the caches when the image is built (`warm everything` where the image has no GLSL compiler), `healthy`
+    is its health check.
     """
     match sys.argv[1:]:
-        case ["warm"]:
-            warm()
+        case ["warm", *scope]:
+            warm(everything="everything" in scope)
         case ["healthy"]:
             sys.exit(0 if healthy(int(os.environ["SAMPLERSCOPE_PORT"])) else 1)
         case _:
@@ -53,18 +55,22 @@ def seed(baked: Path) -> None:
                 sys.stderr.write(f"samplerscope: starting with cold caches: {error.strerror}\n")
 
 
-def warm() -> None:
-    """Compile the statistics of every model with every technique made for it."""
+def warm(*, everything: bool) -> None:
+    """Compile the statistics of every model with every technique made for it; with `everything`, all other jobs too."""
     from service.catalogue import load_catalogue
-    from service.engine import Engine
+    from service.engine import Engine, Job
     from service.scene import parse_scene, resolve
     from service.statistics import compute_statistics
 
     catalogue = load_catalogue()
     with Engine.open(catalogue) as engine:
-        for model in catalogue.models:
-            scene = {"model": model, "theta_o_deg": [0], "estimator": {"samples": 1}, "reference": False}
+        for model in catalogue.models.values():
+            scene = {"model": model.name, "theta_o_deg": [0], "estimator": {"samples": 1}, "reference": False}
             compute_statistics(resolve(parse_scene(scene), catalogue), engine)
+            for technique in map(catalogue.technique, catalogue.techniques_for(model.name) if everything else ()):
+                for job in get_args(Job):
+                    engine.pipeline(model, technique, job)
+                engine.pipeline(model, technique, "probe", precision="double")
 
 
 def healthy(port: int) -> bool:

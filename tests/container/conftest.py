@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import socket
 import subprocess
@@ -13,7 +14,7 @@ from dataclasses import dataclass
 
 import pytest
 
-IMAGE = "samplerscope"
+IMAGE = os.environ.get("SAMPLERSCOPE_IMAGE", "samplerscope")
 HARDENING = [
     *("--read-only", "--tmpfs", "/tmp", "--cap-drop", "all", "--security-opt", "no-new-privileges"),
     *("--memory", "512m", "--pids-limit", "64", "--network", "host"),
