@@ -77,7 +77,7 @@ def survey_pair(
         points = edge_points(probe, given, drawn)
         truth = points.evaluate(probe, "double")
         single = points.evaluate(probe, "float")
-        comparisons = compare(points, single, truth, quantities, _density_at_rounded(probe, points, single))
+        comparisons = compare(points, single, truth, quantities, _truth_at_rounded(probe, points, single))
         areas += regions.describe_regions(probe, points, comparisons)
         entries, bad = _exceptions(probe, points, comparisons, truth.wi[:, 2])
         listed += entries
@@ -98,11 +98,11 @@ def survey_pair(
     }
 
 
-def _density_at_rounded(probe: Probe, points: Points, single: Values) -> Array | None:
-    """The true density at the float32 directions that were drawn, (n,); None where it cannot matter."""
-    if not points.drawn or np.isfinite(single.pdf).all():
+def _truth_at_rounded(probe: Probe, points: Points, single: Values) -> Values | None:
+    """The true values at the float32 directions that were drawn; None where none of density and BRDF is infinite."""
+    if not points.drawn or not (np.isinf(single.pdf) | np.isinf(single.brdf)).any():
         return None
-    return probe.evaluate(points.wo, single.wi, points.parameters, "double").direction_pdf
+    return probe.evaluate(points.wo, single.wi, points.parameters, "double")
 
 
 def _exceptions(

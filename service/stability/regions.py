@@ -110,13 +110,11 @@ def place(probe: Probe, points: Points, comparison: Comparison, i: int) -> dict[
 def exceptions(
     points: Points, comparison: Comparison, effect: Array, at_horizon: Array, of_direction: Array | None = None
 ) -> list[Exceptional]:
-    """Points beyond the limit inside all ranges, by reason: stiff inputs, the horizon, a stiff direction, digits lost, or
-    wrong.
+    """Points beyond the limit inside all ranges, by reason: stiff inputs, horizon, stiff direction, digits lost, wrong.
 
     effect: the change of the true value by one rounding of each input, (n,). at_horizon: whether the true direction
-    that
-    is drawn lies within a few roundings of the horizon, (n,). of_direction: the change of the true value by one rounding
-    of each component of the direction that is drawn, (n,).
+    that is drawn lies within a few roundings of the horizon, (n,). of_direction: the change of the true value by one
+    rounding of each component of the direction that is drawn, (n,).
     """
     if comparison.quantity == "direction":
         unit, size = np.full(len(points), DIRECTION_ULP), np.ones(len(points))
@@ -127,8 +125,8 @@ def exceptions(
     relative = comparison.ulp * unit / size
     stiff = over & (comparison.ulp <= ULP_LIMIT * (1.0 + allowed))
     border = over & ~stiff & at_horizon
-    blurred = np.zeros(len(points), bool) if of_direction is None else comparison.ulp <= ULP_LIMIT * (1 + of_direction / unit)
-    blurred &= over & ~stiff & ~border
+    by_direction = 0.0 if of_direction is None else of_direction / unit
+    blurred = over & ~stiff & ~border & (comparison.ulp <= ULP_LIMIT * (1.0 + by_direction))
     lost = over & ~stiff & ~border & ~blurred & (relative <= LOST)
     reasons = (
         ("stiff: rounding the inputs changes the true value by as much", stiff),

@@ -131,7 +131,7 @@ def rounding_effect(probe: Probe, points: Points) -> dict[str, Array]:
 
 
 def direction_rounding_effect(probe: Probe, points: Points) -> dict[str, Array]:
-    """By how much true density and weight change when each component of the direction drawn moves by 2^-24, summed, (n,).
+    """By how much true density and weight change when a component of the direction drawn moves by 2^-24, summed, (n,).
 
     A direction is handed on in float32. A narrow lobe, or one seen from grazing, changes within the spacing of its
     components: no code that takes a rounded direction can know the density where the exact one lies.

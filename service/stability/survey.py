@@ -156,17 +156,18 @@ def _special_directions(wo: Array, which: Array) -> Array:
 
 
 def compare(
-    points: Points, single: Values, double: Values, given: tuple[str, ...], at_rounded: Array | None = None
+    points: Points, single: Values, double: Values, given: tuple[str, ...], at_rounded: Values | None = None
 ) -> list[Comparison]:
     """The quantities of these points: of drawn ones direction, pdf and weight, else those in `given`.
 
-    at_rounded: of drawn ones the true density at the direction in float32, (n,). A sampler answers for that direction:
-    the density there may exceed the float32 maximum where the one at the exact direction does not.
+    at_rounded: the true values at the float32 directions that were drawn. Density and BRDF are asked there: they may
+    exceed the float32 maximum where those at the exact direction do not.
     """
     if points.drawn:
         pdf, brdf, weight = (_scalar(name, single, double) for name in ("pdf", "brdf", "weight"))
         if at_rounded is not None:
-            pdf = _apart(pdf, np.isinf(single.pdf) & (np.abs(at_rounded) > FLOAT32_MAX))
+            pdf = _apart(pdf, np.isinf(single.pdf) & (np.abs(at_rounded.direction_pdf) > FLOAT32_MAX))
+            brdf = _apart(brdf, np.isinf(single.brdf) & (np.abs(at_rounded.brdf) > FLOAT32_MAX))
         # A ratio of values that have no float32 has none either.
         weight = _apart(weight, pdf.beyond | brdf.beyond)
         return [_direction(single.wi, double.wi), pdf, weight]

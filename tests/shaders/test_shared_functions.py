@@ -157,3 +157,14 @@ def test_arc_and_circle_are_right_in_both_precisions(device, file, expression, t
         assert np.abs(found - expected).max() <= (2.0**-51 if double else 2.0**-23)
     else:
         assert ulps(found, expected.astype(found.dtype)).max() <= bound
+
+
+def test_exponential_ratio_is_right_where_its_parts_have_no_float32(device):
+    """3/2 exp(x)/a: exp(x) alone is as small as e^-117, 1/a as large as 2^126, the result within e^-30 and e^30."""
+    rng = np.random.default_rng(3)
+    a = (2.0 ** rng.uniform(-126, 0, 100_000)).astype(np.float32)
+    x = (np.log(a.astype(float)) + rng.uniform(-30, 30, len(a))).astype(np.float32)
+    head = load_catalogue().includes["common/exponential.glsl"]
+    found = run(device, head, "exponential_ratio(0.5, 3.0, a[i].x, 1.0, a[i].y)", x, a, double=False)
+    expected = 1.5 * np.exp(x.astype(np.longdouble)) / a.astype(np.longdouble)
+    assert ulps(found, expected.astype(np.float32)).max() <= 4

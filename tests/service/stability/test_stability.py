@@ -11,7 +11,7 @@ from service.probe import Probe
 from service.scene import parse_scene, resolve
 from service.stability import compute_stability
 from service.stability.grid import EDGE_COSINES, EDGE_NUMBERS, edge_settings, edge_values
-from service.stability.stiffness import condition_numbers, rounding_effect
+from service.stability.stiffness import condition_numbers, direction_rounding_effect, rounding_effect
 from service.stability.survey import Points, edge_points
 
 MODELS = sorted(load_catalogue().models)
@@ -19,7 +19,7 @@ MODELS = sorted(load_catalogue().models)
 
 @pytest.fixture(scope="module")
 def answers(session_engine):
-    """The stability of every model with every technique made for it."""
+    """The stability of every model of the catalogue with every technique made for it."""
 
     def one(model):
         return compute_stability(resolve(parse_scene({"model": model}), session_engine.catalogue), session_engine)
@@ -166,6 +166,37 @@ def test_the_effect_of_rounded_inputs_is_their_condition_times_a_rounding(engine
     one = np.array([[0.0, 0.0, 1.0]], np.float32)
     points = Points(one, one, np.array([[0.5]], np.float32), np.zeros(1), np.array([""]), np.array([True]), drawn=False)
     assert rounding_effect(probe, points)["brdf"][0] == pytest.approx(2 * 0.25 * 2.0**-24, rel=1e-6)
+
+
+def test_the_effect_of_a_rounded_direction_is_the_slope_of_the_density(engine):
+    """cos/pi changes by 2^-24/pi with the cosine and not at all with the other components; f cos/pdf = 1 not at all."""
+    catalogue = load_catalogue()
+    probe = Probe(engine, catalogue.model("lambert"), catalogue.technique("cosine"))
+    wo, row = np.array([[0.0, 0.0, 1.0]], np.float32), np.array([[1.0]], np.float32)
+    u = np.array([[0.25, 0.1]], np.float32)
+    points = Points(wo, u, row, np.zeros(1), np.array([""]), np.array([True]), drawn=True)
+    effect = direction_rounding_effect(probe, points)
+    assert effect["pdf"][0] == pytest.approx(2.0**-24 / math.pi, rel=1e-6)
+    assert effect["weight"][0] < 1e-14
+
+
+@pytest.mark.parametrize("model", ["ward", "cook-torrance", "kurt-plausible", "ashikhmin-shirley", "blinn-phong"])
+def test_opposite_directions_at_the_horizon_have_no_density_and_no_reflectance(probe, model):
+    """Half vectors of wi = -wo have no direction; the definition is total there."""
+    technique = model if model in ("ashikhmin-shirley", "blinn-phong") else "beckmann-half-vector"
+    found = probe(model, technique, [[1.0, 0.0, 0.0]], wi=[[-1.0, 0.0, 0.0]])
+    assert (found["brdf"][0], found["direction_pdf"][0], found["weight"][0]) == (0.0, 0.0, 0.0)
+
+
+def test_a_lobe_of_tiny_probability_keeps_its_digits(probe):
+    """P2 = 1e-7 of u1: the part is measured from 1. As u1 - (1 - P2) it was 65 times off in weight."""
+    chosen = {"ks1": 0.5, "ks2": 0.5e-7, "mx1": 0.001, "my1": 0.001, "mx2": 0.5, "my2": 0.5}
+    u1, p2 = 1 - 2.0**-24, float(np.float32(0.5e-7)) / (0.5 + float(np.float32(0.5e-7)))
+    found = probe("kurt-multilobe", "kurt-multilobe", [[0.0, 0.0, 1.0]], u=np.array([[u1, 0.0]]), **chosen)
+    slope = 0.5 * math.sqrt(-math.log((1 - u1) / p2))
+    assert found["wi"][0] == pytest.approx(
+        [math.sin(2 * math.atan(slope)), 0, math.cos(2 * math.atan(slope))], abs=5e-7
+    )
 
 
 def test_given_parameters_are_kept(engine):
