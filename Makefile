@@ -5,7 +5,7 @@ OUT := out
 COMPILE := $(BIN)/uv pip compile --quiet --upgrade --generate-hashes --python-version 3.11 --custom-compile-command 'make lock'
 
 .DEFAULT_GOAL := help
-.PHONY: help setup stats figures docs test bench bench-http lint container container-test lock clean
+.PHONY: help setup stats figures docs test bench bench-http bench-checks lint container container-test lock clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 16
@@ -46,6 +46,9 @@ lint: setup  ## style and types
 bench-http: setup  ## load on the HTTP service, and thousands of generated requests; minutes
 	$(BIN)/python -m tests.benchmarks.http_load
 	SAMPLERSCOPE_TEST_CASES=300 $(BIN)/pytest -s --timeout 1800 tests/service/api/test_openapi.py
+
+bench-checks: setup  ## count false alarms of the battery over a thousand runs; half an hour
+	$(BIN)/python -m tests.benchmarks.false_alarms
 
 container:  ## build the image, with docker or else with buildah
 	.ci/container
