@@ -124,8 +124,7 @@ def chi_square(observed: Array, expected: Array, uncertainty: Array) -> ChiSquar
     """Test counts against expectations known to an uncertainty, all (bins,); nothing is fitted.
 
     Bins with a low expectation are pooled, in the order of their expectations. A difference within the uncertainty of
-    its
-    expectation says nothing and counts as none.
+    its expectation says nothing and counts as none.
     """
     expected = np.maximum(expected, 0.0)
     order = np.argsort(expected)

@@ -30,8 +30,7 @@ def compute_stability(question: Question, engine: Engine, progress: Progress = l
     """A result of kind `stability`: the edge grid of each technique, its exceptions, and the stiffest places.
 
     Parameters that the scene names keep those values; the others run over the edges of their ranges. Angles, samples
-    and
-    statistics of the scene play no part. Fails where a value is not finite, or far off without a reason.
+    and statistics of the scene play no part. Fails where a value is not finite, or far off without a reason.
     """
     begin = time.perf_counter()
     scene = question.scene
