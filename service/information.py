@@ -30,7 +30,7 @@ def describe(device: str | None = None) -> dict[str, Any]:
 def describe_catalogue(catalogue: Catalogue) -> dict[str, list[dict[str, Any]]]:
     """Models and techniques as their files declare them, as plain data."""
     return {
-        "models": [_entry(entry) for entry in catalogue.models.values()],
+        "models": [_entry(entry) | {"anisotropic": entry.head.anisotropic} for entry in catalogue.models.values()],
         "techniques": [
             _entry(entry) | {"models": entry.head.models, "uses": entry.head.uses}
             for entry in catalogue.techniques.values()

@@ -18,7 +18,7 @@ from lavapipe import LavapipeError
 from service.api import documents
 from service.api.middleware import BodyLimit, RequestContext
 from service.api.problems import HttpError, problem_response
-from service.api.routes import catalogue, figures, jobs, operations, questions
+from service.api.routes import catalogue, figures, jobs, operations, page, questions
 from service.api.services import Services
 from service.errors import SamplerscopeError
 
@@ -48,6 +48,7 @@ def create_app(services: Services) -> ASGIApp:
         redoc_url=None,
         responses=documents.problems(405),
     )
+    app.include_router(page.router(services))
     app.include_router(operations.health_router())
     app.include_router(operations.ready_router(services))
     guard = _guard(services)

@@ -127,6 +127,12 @@ def result_responses() -> Responses:
     return {200: answer, 304: NOT_MODIFIED, **problems(406, 422, 429, 500, 503)}
 
 
+def page_responses(*media_types: str) -> Responses:
+    """Responses to a request for a file of the page."""
+    content = {name: {"schema": {"type": "string"}} for name in media_types}
+    return {200: {"description": "The file", "content": content, "headers": _TAG}, 304: NOT_MODIFIED}
+
+
 def format_parameter(kind: str = "statistics") -> Part:
     """`?format=`"""
     return _query(

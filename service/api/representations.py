@@ -63,12 +63,12 @@ def _quality(media_type: str, ranges: Mapping[str, float]) -> float:
 def represent(request: Request, stored: Stored, media_type: str) -> Response:
     """The stored bytes, or 304 where the client has them."""
     headers = {"etag": stored.etag, "vary": "Accept", "cache-control": "no-cache"}
-    if _has(request.headers.get("if-none-match"), stored.etag):
+    if has(request.headers.get("if-none-match"), stored.etag):
         return Response(status_code=304, headers=headers)
     return Response(stored.content, headers=headers, media_type=media_type)
 
 
-def _has(header: str | None, etag: str) -> bool:
+def has(header: str | None, etag: str) -> bool:
     """Whether an If-None-Match header names the tag (weak comparison, RFC 9110, 13.1.2)."""
     if header is None:
         return False

@@ -145,8 +145,9 @@ class Services:
         else:
             estimate = await self.estimate(asked)
             patient = "respond-async" in request.headers.get("prefer", "")
-            # What cannot give way to others never stands before small questions.
-            if patient or not KINDS[kind].resumable or estimate.seconds > self.settings.direct_limit_s:
+            # What is long and cannot give way to others never stands before small questions.
+            yielding = KINDS[kind].resumable or KINDS[kind].brief
+            if patient or not yielding or estimate.seconds > self.settings.direct_limit_s:
                 return accepted(await self.jobs.submit(asked, estimate))
             answered = await unless_gone(request, self.answers.compute(asked, client))
             stored = answered.stored

@@ -31,8 +31,8 @@ class Kind:
 
     `scene` is what its scenes are, `parse` makes one of plain data, `samples` is how many samples an answer draws.
     `function` is "module:name". A `resumable` one also takes `journal` (see service.statistics): it is interrupted at
-    any launch, shares the device with others, and goes on where it was. One that is not `routed` is behind a figure
-    only.
+    any launch, shares the device with others, and goes on where it was. A `brief` one cannot, but takes milliseconds
+    where its estimate says so. One that is neither is always a job. One that is not `routed` is behind a figure only.
     """
 
     name: str
@@ -42,6 +42,7 @@ class Kind:
     samples: Callable[[Question], int]
     function: str
     resumable: bool = False
+    brief: bool = False
     routed: bool = True
 
     @property
@@ -72,6 +73,11 @@ def _convergence_samples(question: Question) -> int:
 
 def _stability_samples(question: Question) -> int:
     return _EDGE_POINTS * len({(plan.model, plan.technique) for plan in question.series})
+
+
+def _parse_slices_scene(data: Mapping[str, Any]) -> Scene:
+    """A scene without the reference unless it asks for one: slices do not need it."""
+    return parse_scene({"reference": False, **data})
 
 
 def compute_catalogue_timings(question: Question, engine: Engine, progress: Progress) -> dict[str, Any]:
@@ -111,12 +117,12 @@ KINDS: Mapping[str, Kind] = {
         ),
         Kind(
             name="slices",
-            title="BRDFs in the plane of the view",
+            title="BRDFs and densities in the plane of the view",
             scene=Scene,
-            parse=parse_scene,
+            parse=_parse_slices_scene,
             samples=_cells,
             function="service.slices:compute_slices",
-            routed=False,
+            brief=True,
         ),
         Kind(
             name="timings",

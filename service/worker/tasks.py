@@ -1,4 +1,6 @@
-"""What a worker does: answer a question, encode a stored result, prove that the device computes right."""
+"""What a worker does: answer a question, encode a stored result, prove that the device computes right, bring the page's
+plotting library.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +13,7 @@ from typing import Any
 from service import formats
 from service.engine import Engine
 from service.papers import FIGURES
+from service.plotting_library import plotting_library
 from service.sampling import Checkpoint
 from service.scene import Question, parse_scene, resolve
 from service.statistics import compute_statistics, partial_series
@@ -52,7 +55,7 @@ class Toil:
 
 def do_task(toil: Toil) -> Answer:
     """Do a task; what it returns is the message that says so. Raises Stopped, and whatever the work raises."""
-    return {"answer": _answer, "encode": _encode, "probe": _probe}[toil.task.head["do"]](toil)
+    return {"answer": _answer, "encode": _encode, "probe": _probe, "library": _library}[toil.task.head["do"]](toil)
 
 
 def _answer(toil: Toil) -> Answer:
@@ -166,6 +169,11 @@ def _encode(toil: Toil) -> Answer:
     drawn = paper is not None and paper.chart != "timings"
     content = formats.encode(json.loads(toil.task.blobs[0]), head["format"], draw if drawn else None)
     return {"timings": {"encode": 1e3 * (time.perf_counter() - begin)}}, (content,)
+
+
+def _library(toil: Toil) -> Answer:
+    """The plotting library of the page, as one ES module."""
+    return {}, (plotting_library(),)
 
 
 def _probe(toil: Toil) -> Answer:

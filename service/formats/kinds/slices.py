@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -12,36 +12,40 @@ Result = Mapping[str, Any]
 
 
 def rows(result: Result) -> tuple[list[str], Iterator[list[Any]]]:
-    """Return the columns and one row for each model, view angle and light angle."""
+    """Return the columns and one row for each series and light angle."""
+    names = list(dict.fromkeys(name for one in result["series"] for name in one["parameters"]))
 
     def each() -> Iterator[list[Any]]:
         for one in result["series"]:
-            for angle, value in zip(one["theta_i_deg"], one["value"], strict=True):
-                yield [one["model"], one["theta_o_deg"], angle, value]
+            head = [one["model"], one["technique"], *(one["parameters"].get(name) for name in names)]
+            for angle, value, density in zip(one["theta_i_deg"], one["value"], one["pdf"], strict=True):
+                yield [*head, one["theta_o_deg"], one.get("phi_o_deg", 0.0), angle, value, density]
 
-    return ["model", "theta_o_deg", "theta_i_deg", "value"], each()
+    columns = ["model", "technique", *names, "theta_o_deg", "phi_o_deg", "theta_i_deg", "value", "pdf"]
+    return columns, each()
 
 
 def arrays(result: Result) -> dict[str, np.ndarray]:
-    """Return float64 arrays of shape (series, light angles), and models and view angles of shape (series,)."""
+    """Return float64 arrays of shape (series, light angles), and names and view angles of shape (series,)."""
     import numpy as np
 
     series = result["series"]
-    return {
-        "model": np.array([one["model"] for one in series], dtype=np.str_),
-        "theta_o_deg": np.array([one["theta_o_deg"] for one in series]),
-        "theta_i_deg": np.array([one["theta_i_deg"] for one in series]),
-        "value": np.array([one["value"] for one in series]),
-    }
+    names = {name: np.array([one[name] for one in series], dtype=np.str_) for name in ("model", "technique")}
+    columns = ("theta_o_deg", "theta_i_deg", "value", "pdf")
+    return names | {name: np.array([one[name] for one in series], dtype=np.float64) for name in columns}
 
 
 def text(result: Result) -> str:
-    """Return a table of f cos(theta_i) at some light angles, a line for each model and view angle."""
+    """Return tables at some light angles: f cos(theta_i) of each model and view angle, the density of each technique."""
     series = result["series"]
-    shown = range(0, len(series[0]["theta_i_deg"]), max(1, len(series[0]["theta_i_deg"]) // 12))
-    head = f"{'model':<22}{'theta_o':>8}" + "".join(f"{series[0]['theta_i_deg'][k]:>8.0f}" for k in shown)
-    lines = ["f cos(theta_i) in 1/sr, over theta_i in degrees; positive angles are on the view's side", "", head]
-    for one in series:
-        values = "".join(f"{one['value'][k]:>8.4f}" for k in shown)
-        lines.append(f"{one['model']:<22}{one['theta_o_deg']:>8.4g}{values}")
+    angles = series[0]["theta_i_deg"]
+    shown = range(0, len(angles), max(1, len(angles) // 12))
+    lines = ["in 1/sr, over theta_i in degrees; positive angles are on the view's side"]
+    for title, name, column in (("f cos(theta_i)", "model", "value"), ("density", "technique", "pdf")):
+        rows = {f"{one[name]:<22}{one['theta_o_deg']:>8.4g}" + _values(one[column], shown): None for one in series}
+        lines += ["", f"{title:<22}{'theta_o':>8}" + "".join(f"{angles[k]:>8.0f}" for k in shown), *rows]
     return "\n".join(lines) + "\n"
+
+
+def _values(column: Sequence[float | None], shown: Sequence[int]) -> str:
+    return "".join(f"{'-':>8}" if column[k] is None else f"{column[k]:>8.4f}" for k in shown)
