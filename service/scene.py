@@ -262,6 +262,7 @@ _ALLOWED = {
     "target_error": "a number above 0 and below 1",
     "replicates": "a whole number, 32 to 1024",
     "estimators": "a list out of mc, qmc, quadrature",
+    "efficiency_over": "a list of names of parameters",
     "parameters": "a number or a list of numbers for each name",
     "zip": "lists of two or more names of swept parameters",
 }

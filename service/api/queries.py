@@ -17,7 +17,7 @@ from service.formats import FORMATS
 from service.scene import Estimator, Scene, parse_scene, resolve
 from service.worker.kinds import Kind
 
-_LISTS = frozenset({"techniques", "statistics", "theta_o_deg", "phi_o_deg", "estimators"})
+_LISTS = frozenset({"techniques", "statistics", "theta_o_deg", "phi_o_deg", "estimators", "efficiency_over"})
 _NOT_IN_QUERY = frozenset({"parameters", "estimator"})
 _IN_CATALOGUE = ("model", "techniques", "parameters", "zip")
 _QUICK_SERIES = 1000

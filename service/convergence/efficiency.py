@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from service.convergence.cost import Cost
 from service.convergence.scene import ConvergenceScene
 from service.convergence.truth import Array, relative_variances
 from service.engine import Engine
+from service.errors import BadInput, Problem
 from service.scene import Question, SeriesPlan
 
 ANGLES_DEG = [0.0, 15.0, 30.0, 45.0, 60.0, 70.0, 80.0, 85.0, 89.0, 89.9]
@@ -67,13 +68,21 @@ def _value(x: float) -> float | None:
 
 
 def _rows(question: Question, engine: Engine) -> list[dict[str, float]]:
-    """The scene's own values where it sets them, else STEPS over the range of what the techniques read."""
+    """The scene's own values where it sets them, else STEPS over the range of what the techniques read, or of what
+    `efficiency_over` names. Raises BadInput for a name that is no parameter.
+    """
     first = question.series[0]
+    scene = cast(ConvergenceScene, question.scene)
     read = {name for plan in question.series for name in (*plan.technique.head.uses, *plan.technique.head.parameters)}
     axes: dict[str, Sequence[float]] = {}
     declared = {**first.model.head.parameters}
     for plan in question.series:
         declared |= engine.catalogue.parameters_of(plan.model, plan.technique)
+    if scene.efficiency_over is not None:
+        read = set(scene.efficiency_over)
+        if not read <= set(declared):
+            names = ", ".join(scene.efficiency_over)
+            raise BadInput(Problem("efficiency_over", names, "parameters out of " + ", ".join(declared)))
     for name, parameter in declared.items():
         if name in question.scene.parameters:
             axes[name] = question.scene.parameters[name]

@@ -15,10 +15,12 @@ from service.convergence.scene import ConvergenceScene, parse_convergence_scene
 @scene_options
 @click.option("--target-error", metavar="X", help="Relative error whose time is asked for. Default: 0.01.")
 @click.option("--replicates", metavar="N", help="Independent replicates of each curve. Default: 32.")
+@click.option("--efficiency-over", metavar="NAME,...", help="What the efficiency table sweeps. Default: all that is read.")
 @output_options
 def converge(
     target_error: str | None,
     replicates: str | None,
+    efficiency_over: str | None,
     method: str | None,
     format_: str | None,
     outputs: tuple[str, ...],
@@ -37,6 +39,7 @@ def converge(
             "target_error": number("target_error", target_error),
             "replicates": integer("replicates", replicates),
             "estimators": names(method),
+            "efficiency_over": names(efficiency_over),
         }.items()
         if value is not None
     }

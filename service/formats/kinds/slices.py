@@ -36,7 +36,7 @@ def arrays(result: Result) -> dict[str, np.ndarray]:
 
 
 def text(result: Result) -> str:
-    """Return tables at some light angles: f cos(theta_i) of each model and view angle, the density of each technique."""
+    """Return tables at some light angles: f cos(theta_i) of each model, the density of each technique."""
     series = result["series"]
     angles = series[0]["theta_i_deg"]
     shown = range(0, len(angles), max(1, len(angles) // 12))
