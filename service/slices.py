@@ -53,7 +53,8 @@ def _series(plan: SeriesPlan, angles_deg: Sequence[float], engine: Engine) -> li
     cosines = np.maximum(np.cos(np.radians(theta_i_deg)), 0.0)
     values = found.brdf.astype(np.float64).reshape(-1, LIGHTS) * cosines
     densities = found.direction_pdf.astype(np.float64).reshape(-1, LIGHTS)
-    head: dict[str, Any] = {"model": plan.model.name, "technique": plan.technique.name, "parameters": dict(plan.parameters)}
+    names = {"model": plan.model.name, "technique": plan.technique.name}
+    head: dict[str, Any] = {**names, "parameters": dict(plan.parameters)}
     if plan.phi_o_deg is not None:
         head["phi_o_deg"] = plan.phi_o_deg
     return [

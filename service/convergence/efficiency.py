@@ -78,7 +78,7 @@ def _rows(question: Question, engine: Engine) -> list[dict[str, float]]:
     declared = {**first.model.head.parameters}
     for plan in question.series:
         declared |= engine.catalogue.parameters_of(plan.model, plan.technique)
-    if scene.efficiency_over is not None:
+    if scene.efficiency_over:
         read = set(scene.efficiency_over)
         if not read <= set(declared):
             names = ", ".join(scene.efficiency_over)

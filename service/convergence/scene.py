@@ -18,8 +18,8 @@ class ConvergenceScene(Scene):
     """A scene with what a study of errors needs beyond it.
 
     `estimator.samples` is the largest count of the curves, to the nearest power of two; `estimator.method`, where it is
-    given, is the only estimator. `efficiency_over` names the parameters that the efficiency table sweeps; by default all
-    that the techniques read.
+    given, is the only estimator. `efficiency_over` names the parameters that the efficiency table sweeps; empty, these
+    are all that the techniques read.
     """
 
     theta_o_deg: AngleCount | Annotated[list[Angle], Field(min_length=1, max_length=MAX_ANGLES)] = Field(
@@ -29,7 +29,7 @@ class ConvergenceScene(Scene):
     target_error: float = Field(0.01, gt=0, lt=1, allow_inf_nan=False)
     replicates: int = Field(32, ge=32, le=1024)
     estimators: list[Method] = Field(default_factory=lambda: list(METHODS), min_length=1)
-    efficiency_over: list[str] | None = None
+    efficiency_over: list[str] = []
 
     @property
     def counts(self) -> list[int]:

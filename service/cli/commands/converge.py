@@ -15,7 +15,7 @@ from service.convergence.scene import ConvergenceScene, parse_convergence_scene
 @scene_options
 @click.option("--target-error", metavar="X", help="Relative error whose time is asked for. Default: 0.01.")
 @click.option("--replicates", metavar="N", help="Independent replicates of each curve. Default: 32.")
-@click.option("--efficiency-over", metavar="NAME,...", help="What the efficiency table sweeps. Default: all that is read.")
+@click.option("--efficiency-over", metavar="NAME,...", help="What the efficiency table sweeps. Default: all read.")
 @output_options
 def converge(
     target_error: str | None,
