@@ -29,7 +29,7 @@ class ConvergenceScene(Scene):
     target_error: float = Field(0.01, gt=0, lt=1, allow_inf_nan=False)
     replicates: int = Field(32, ge=32, le=1024)
     estimators: list[Method] = Field(default_factory=lambda: list(METHODS), min_length=1)
-    efficiency_over: list[str] = []
+    efficiency_over: list[str] = Field(default_factory=list)
 
     @property
     def counts(self) -> list[int]:
