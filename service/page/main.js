@@ -1,0 +1,164 @@
+// The page: one state, which is the address; controls change it, the server answers it, the parts below show the answer.
+
+import { addressOf, questionPath, readAddress } from "./address.js";
+import { OneAngle } from "./angle.js";
+import { Catalogue } from "./catalogue.js";
+import { Controls } from "./controls.js";
+import { curvesOf } from "./curves.js";
+import { byId, element } from "./elements.js";
+import { hideHover, showHover } from "./hover.js";
+import { degrees, duration, withError } from "./numbers.js";
+import { Panels, TITLES } from "./panels.js";
+import { loadLibrary } from "./plot.js";
+import { Problem, keepKey } from "./server.js";
+import { SpeedStudy } from "./speed-study.js";
+import { Statistics } from "./statistics.js";
+import { offer } from "./take.js";
+import { onThemeChange } from "./theme.js";
+import { showCurves } from "./verdicts.js";
+
+class Page {
+  #catalogue;
+  #controls;
+  #panels;
+  #angle;
+  #statistics;
+  #speed;
+  #state;
+  #curves = [];
+  #drawing = false;
+  #stale = false;
+
+  constructor(catalogue) {
+    this.#catalogue = catalogue;
+    this.#controls = new Controls(catalogue, (state, settled) => this.#change(state, settled));
+    this.#panels = new Panels(byId("panels"), {
+      onHover: (event, angle, statistic) => this.#hover(event, angle, statistic),
+      onLeave: hideHover,
+      onChoose: (angle) => this.#look({ at: angle }),
+    });
+    this.#angle = new OneAngle({
+      onChoose: (angle, settled) => this.#look({ at: angle }, settled),
+      pathOf: (angle) => questionPath("slices", this.#state, catalogue, SLICE(angle)),
+    });
+    this.#statistics = new Statistics(catalogue, { onSeries: () => this.#redraw(), onProblem: (problem) => this.#refused(problem) });
+    this.#speed = new SpeedStudy(catalogue, (changed) => this.#look(changed));
+    offer(catalogue, () => this.#state);
+    addEventListener("popstate", () => this.restore());
+    onThemeChange(() => this.#recolour());
+  }
+
+  /** Take the state from the address, and ask. */
+  restore() {
+    this.#state = this.#catalogue.complete(readAddress(location.search, this.#catalogue));
+    this.#controls.show(this.#state);
+    this.#ask(true);
+  }
+
+  /** The scene changed; what has been settled goes into the address. */
+  #change(state, settled) {
+    this.#state = state;
+    this.#controls.show(state);
+    if (settled) this.#remember();
+    this.#ask(settled);
+  }
+
+  /** What is looked at changed, not the scene. */
+  #look(changed, settled = true) {
+    this.#state = { ...this.#state, ...changed };
+    if (settled) this.#remember();
+    this.#redraw();
+    this.#speed.ask(this.#state);
+  }
+
+  #remember() {
+    const address = addressOf(this.#state, this.#catalogue);
+    if (address !== location.pathname + location.search) history.pushState(null, "", address);
+    document.title = `${this.#state.model} – samplerscope`;
+  }
+
+  #ask(settled) {
+    this.#controls.clearErrors();
+    this.#statistics.ask(this.#state, settled);
+    if (settled) this.#speed.ask(this.#state);
+  }
+
+  #refused(problem) {
+    this.#controls.showErrors(problem.fields, problem.message);
+    if (problem.status === 401) byId("key-field").hidden = false;
+  }
+
+  /** Draw what is known, once for all that arrives within one drawing. */
+  async #redraw() {
+    this.#stale = true;
+    if (this.#drawing) return;
+    this.#drawing = true;
+    try {
+      while (this.#stale) {
+        this.#stale = false;
+        await this.#draw();
+      }
+    } finally {
+      this.#drawing = false;
+    }
+  }
+
+  async #draw() {
+    const { series, run } = this.#statistics;
+    if (!series.length) return;
+    this.#curves = curvesOf(series, this.#state.hidden);
+    const angles = series[0].theta_o_deg;
+    showCurves(this.#curves, (key) => this.#toggle(key));
+    await this.#panels.draw(this.#curves, angles, this.#state.at);
+    performance.mark("plotted");
+    document.body.dataset.plotted = String(Number(document.body.dataset.plotted ?? 0) + 1);
+    if (run) byId("device").textContent = `${run.device}, driver ${run.driver}, ${run.threads} threads`;
+    // The slice is a question of its own: curves do not wait for it.
+    this.#angle.show(this.#curves, angles, this.#state.at).catch((error) => {
+      if (!(error instanceof Problem)) byId("polar-note").textContent = error.message;
+    });
+  }
+
+  #toggle(key) {
+    const { hidden } = this.#state;
+    this.#look({ hidden: hidden.includes(key) ? hidden.filter((one) => one !== key) : [...hidden, key] });
+  }
+
+  #hover(event, angle, statistic) {
+    const lines = this.#curves
+      .filter((curve) => curve.shown && curve.series[statistic])
+      .map((curve) => {
+        const index = curve.series.theta_o_deg.indexOf(angle);
+        return { curve, name: curve.label, number: curve.series[statistic][index], error: curve.series[`${statistic}_stderr`]?.[index] };
+      })
+      .sort((a, b) => b.number - a.number);
+    showHover(event, `${TITLES[statistic]} at ${degrees(angle)}`, lines.map((line) => ({ ...line, value: withError(line.number, line.error) })));
+  }
+
+  #recolour() {
+    for (const part of [this.#panels, this.#angle, this.#speed]) part.reset();
+    this.#redraw();
+    this.#speed.redraw();
+  }
+}
+
+/** What a slice asks for in place of a scene's angles; it draws nothing. */
+const SLICE = (angle) => ({ theta_o_deg: angle, angles: null, method: null, samples: null, seed: null });
+
+async function start() {
+  loadLibrary();
+  byId("key").addEventListener("change", () => {
+    keepKey(byId("key").value);
+    location.reload();
+  });
+  try {
+    new Page(await Catalogue.load()).restore();
+  } catch (error) {
+    if (!(error instanceof Problem)) throw error;
+    byId("scene-error").textContent = error.message;
+    byId("scene-error").hidden = false;
+    byId("key-field").hidden = error.status !== 401;
+  }
+}
+
+start();

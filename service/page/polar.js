@@ -1,0 +1,95 @@
+// The polar picture: the BRDF and the densities of the techniques in the plane of the view, at one view angle.
+
+import { Plot } from "./plot.js";
+import { ink } from "./theme.js";
+
+const RINGS = 3;
+const RAYS_DEG = [-90, -60, -30, 0, 30, 60, 90];
+const radians = (degrees) => (degrees * Math.PI) / 180;
+const at = (degrees, radius) => ({ x: radius * Math.sin(radians(degrees)), y: radius * Math.cos(radians(degrees)) });
+
+/** The polar picture in an element. */
+export class Polar {
+  #plot;
+
+  constructor(container) {
+    container.setAttribute("role", "img");
+    this.#container = container;
+    this.#plot = new Plot(container, spec);
+  }
+
+  #container;
+
+  /**
+   * Draw a view angle. `lobe` is {theta_i_deg, value}, f cos over the light's angle, `densities` are {label, colour,
+   * dash, theta_i_deg, pdf}; all in the same unit, 1/sr.
+   */
+  async draw(angle, lobe, densities) {
+    const finite = [...lobe.value, ...densities.flatMap((one) => one.pdf)].filter((value) => value !== null);
+    const outermost = 1.08 * Math.max(...finite, 1e-6);
+    const points = (angles, values) =>
+      angles.map((theta, index) => ({ theta, value: values[index], ...at(theta, values[index] ?? 0), order: index }));
+    const rows = densities.flatMap((one) =>
+      points(one.theta_i_deg, one.pdf).map((row) => ({ ...row, name: one.label, colour: one.colour, dash: one.dash })),
+    );
+    const { grid, labels } = gridOf(outermost);
+    const view = at(angle, outermost);
+    const data = { lobe: points(lobe.theta_i_deg, lobe.value), densities: rows, grid, labels, view: [{ x: 0, y: 0 }, view], tip: [view] };
+    await this.#plot.draw(data, { reach: outermost });
+    const names = densities.map((one) => one.label).join(", ");
+    this.#container.setAttribute("aria-label", `Polar picture at view angle ${angle.toFixed(2)} degrees: the BRDF times cosine, and the densities of ${names || "no technique"}.`);
+  }
+
+  /** Draw anew, in other colours, at the next `draw`. */
+  reset() {
+    this.#plot.reset();
+  }
+}
+
+function gridOf(reach) {
+  const step = ringStep(reach);
+  const radii = Array.from({ length: Math.floor(reach / step) }, (_, index) => (index + 1) * step);
+  const rings = radii.flatMap((radius) => Array.from({ length: 61 }, (_, index) => ({ part: `ring ${radius}`, order: index, ...at(3 * index - 90, radius) })));
+  const rays = RAYS_DEG.flatMap((theta) => [0, reach].map((radius, order) => ({ part: `ray ${theta}`, order, ...at(theta, radius) })));
+  const labels = radii.map((radius) => ({ ...at(-90, radius), text: String(Number(radius.toPrecision(6))) }));
+  return { grid: [...rings, ...rays], labels };
+}
+
+function ringStep(reach) {
+  const power = 10 ** Math.floor(Math.log10(reach / RINGS));
+  return [1, 2, 5, 10].map((mark) => mark * power).find((step) => reach / step <= RINGS + 1);
+}
+
+function spec() {
+  const { faint, text, line, reference } = ink();
+  const x = { field: "x", type: "quantitative", axis: null, scale: { domain: [{ expr: "-reach" }, { expr: "reach" }], nice: false, zero: false } };
+  const y = { field: "y", type: "quantitative", axis: null, scale: { domain: [{ expr: "-0.1 * reach" }, { expr: "1.02 * reach" }], nice: false, zero: false } };
+  const order = { field: "order", type: "quantitative" };
+  const path = (name, mark, more) => ({ data: { name }, mark: { type: "line", ...mark }, encoding: { x, y, order, ...more } });
+  const colour = { field: "colour", type: "nominal", scale: null };
+  return {
+    $schema: "https://vega.github.io/schema/vega-lite/v6.json",
+    width: "container",
+    height: "container",
+    autosize: { type: "fit", contains: "padding" },
+    view: { stroke: null },
+    params: [{ name: "reach", value: 1 }],
+    datasets: { lobe: [], densities: [], grid: [], labels: [], view: [], tip: [] },
+    layer: [
+      path("grid", { color: faint, strokeWidth: 1 }, { detail: { field: "part", type: "nominal" } }),
+      path("lobe", { filled: true, color: reference, fillOpacity: 0.16, stroke: reference, strokeWidth: 1 }, {}),
+      path("view", { color: line, strokeWidth: 1.4 }, {}),
+      {
+        data: { name: "tip" },
+        mark: { type: "text", text: "wo", dx: 12, dy: 2, color: text, fontSize: 12, fontStyle: "italic" },
+        encoding: { x, y },
+      },
+      path("densities", { strokeWidth: 1.8 }, { color: colour, strokeDash: { field: "dash", type: "nominal", scale: null }, detail: { field: "name", type: "nominal" } }),
+      {
+        data: { name: "labels" },
+        mark: { type: "text", dy: 10, color: text, fontSize: 10.5 },
+        encoding: { x, y, text: { field: "text" } },
+      },
+    ],
+  };
+}
