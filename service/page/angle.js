@@ -59,21 +59,22 @@ export class OneAngle {
   }
 
   async #draw(slice, curves, index) {
-    const albedo = curves.find((curve) => curve.series.reference)?.series.reference.albedo[index];
-    const looks = JSON.stringify([curves.map((curve) => [curve.shown, curve.colour]), albedo]);
+    const albedos = curves.map((curve) => curve.series.reference?.albedo[index]);
+    const looks = JSON.stringify([curves.map((curve) => [curve.shown, curve.colour]), albedos]);
     if (slice === this.#drawn.slice && looks === this.#drawn.looks) return;
     this.#drawn = { slice, looks };
-    const [{ theta_i_deg, value, theta_o_deg }] = slice.series;
-    const scaled = albedo ? value.map((one) => (one === null ? null : one / albedo)) : value;
-    const densities = slice.series
-      .map((one, number) => ({ ...curves[number], ...one }))
+    const shown = slice.series
+      .map((one, number) => ({ ...curves[number], ...one, value: scaled(one.value, albedos[number]) }))
       .filter((one) => one.shown);
-    await this.#polar.draw(theta_o_deg, { theta_i_deg, value: scaled }, densities);
+    await this.#polar.draw(slice.series[0].theta_o_deg, shown);
+    const ideal = albedos.every(Boolean) ? "f cos θi / albedo, the density that would have no variance" : "f cos θi";
     byId("polar-note").textContent =
-      `In the plane of the view, in 1/sr. Grey: f cos θi${albedo ? ` / albedo ${short(albedo)}, the density that would have no variance` : ""}. ` +
-      "Lines: the densities of the shown techniques. The light is on the view's side to the right.";
+      `In the plane of the view, in 1/sr. Grey: ${ideal}. Lines: the densities of the shown techniques. ` +
+      "To the right is the view's side.";
   }
 }
+
+const scaled = (values, albedo) => (albedo ? values.map((one) => (one === null ? null : one / albedo)) : values);
 
 function showTable(curves, index, here) {
   const statistics = STATISTICS.filter((name) => curves.some((curve) => curve.series[name]));

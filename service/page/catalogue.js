@@ -27,20 +27,20 @@ export class Catalogue {
     return this.#model.get(name);
   }
 
+  /** The technique of this name, or undefined. */
+  technique(name) {
+    return this.#technique.get(name);
+  }
+
   /** Whether the azimuth of the view matters. */
   anisotropic(name) {
     return this.model(name)?.anisotropic ?? false;
   }
 
-  /** Whether a technique declares the model; others run when they are asked for. */
-  madeFor(technique, model) {
-    return technique.models === "any" || technique.models.includes(model);
-  }
-
   /** Names of the techniques of a state: those chosen, or all that are made for its model. */
   techniquesOf({ techniques, model }) {
     if (techniques !== null) return techniques;
-    const fitting = this.techniques.filter((one) => this.madeFor(one, model));
+    const fitting = this.techniques.filter((one) => one.models === "any" || one.models.includes(model));
     const rank = (one) => (one.models === "any" ? 0 : 1);
     return fitting.sort((a, b) => rank(a) - rank(b)).map((one) => one.name);
   }

@@ -10,6 +10,7 @@ const ESTIMATOR = [
   { field: "estimator.samples", name: "samples", label: "Samples per angle", note: "" },
   { field: "estimator.seed", name: "seed", label: "Seed", note: "equal seeds give equal bits" },
 ];
+const WIDE = matchMedia("(min-width: 900px)");
 const METHODS = { mc: "mc: random numbers", qmc: "qmc: scrambled Sobol'", quadrature: "quadrature: no noise" };
 
 /** The form. `onChange(state, settled)` hears every change; `settled` is false while a slider moves. */
@@ -29,6 +30,8 @@ export class Controls {
       this.#change({ model: byId("model").value, techniques: null, parameters: {}, azimuth: "", over: null }, true);
     });
     this.#makeEstimator();
+    // Where the results come below the controls, on a phone, groups are closed so that they are near.
+    for (const group of document.querySelectorAll("details.group")) group.open = WIDE.matches;
   }
 
   /** Show a state. Controls that stay the same stay where they are, so that the focus does too. */
@@ -105,7 +108,7 @@ export class Controls {
     slider.addEventListener("input", () => set(String(scale.value(slider.valueAsNumber)), false));
     slider.addEventListener("change", () => set(String(scale.value(slider.valueAsNumber)), true));
     this.#sliders.set(name, { text, slider, scale });
-    const note = `${help ? `${help}; ` : ""}${short(min)} to ${short(max)}. Several values, with commas, sweep it.`;
+    const note = `${help ? `${help}; ` : ""}${short(min)} to ${short(max)}`;
     return element(
       "div",
       { class: "field parameter", "data-field": `parameters.${name}` },
@@ -130,10 +133,9 @@ export class Controls {
     const chosen = this.#catalogue.techniquesOf(this.#state);
     const unknown = chosen.filter((name) => !this.#catalogue.techniques.some((one) => one.name === name));
     const box = (one) => this.#technique(one, chosen.includes(one.name));
-    const [fitting, others] = [[], []];
-    for (const one of this.#catalogue.techniques) {
-      (this.#catalogue.madeFor(one, this.#state.model) ? fitting : others).push(box(one));
-    }
+    const all = this.#catalogue.techniquesOf({ ...this.#state, techniques: null });
+    const fitting = all.map((name) => box(this.#catalogue.technique(name)));
+    const others = this.#catalogue.techniques.filter((one) => !all.includes(one.name)).map(box);
     fitting.push(...unknown.map((name) => box({ name, title: "not in the catalogue" })));
     const focused = document.activeElement?.id;
     const open = byId("techniques").querySelector("details")?.open || others.some((one) => one.querySelector(":checked"));
@@ -162,6 +164,8 @@ function showError({ field, value, allowed }) {
     const id = `${path}-error`;
     const words = value === null || value === "" ? `allowed: ${allowed}` : `${value}: allowed is ${allowed}`;
     holder.append(element("p", { class: "error", id, role: "alert" }, words));
+    const group = holder.closest("details.group");
+    if (group) group.open = true;
     const input = holder.querySelector("input[type=text], select");
     input?.setAttribute("aria-invalid", "true");
     input?.setAttribute("aria-errormessage", id);

@@ -7,7 +7,7 @@ import { Controls } from "./controls.js";
 import { curvesOf } from "./curves.js";
 import { byId, element } from "./elements.js";
 import { hideHover, showHover } from "./hover.js";
-import { degrees, duration, withError } from "./numbers.js";
+import { degrees, withError } from "./numbers.js";
 import { Panels, TITLES } from "./panels.js";
 import { loadLibrary } from "./plot.js";
 import { Problem, keepKey } from "./server.js";
@@ -85,7 +85,8 @@ class Page {
 
   #refused(problem) {
     this.#controls.showErrors(problem.fields, problem.message);
-    if (problem.status === 401) byId("key-field").hidden = false;
+    byId("panels").hidden = !this.#statistics.series.length;
+    if (problem.status === 401) askForKey();
   }
 
   /** Draw what is known, once for all that arrives within one drawing. */
@@ -106,6 +107,7 @@ class Page {
   async #draw() {
     const { series, run } = this.#statistics;
     if (!series.length) return;
+    byId("panels").hidden = false;
     this.#curves = curvesOf(series, this.#state.hidden);
     const angles = series[0].theta_o_deg;
     showCurves(this.#curves, (key) => this.#toggle(key));
@@ -145,19 +147,28 @@ class Page {
 /** What a slice asks for in place of a scene's angles; it draws nothing. */
 const SLICE = (angle) => ({ theta_o_deg: angle, angles: null, method: null, samples: null, seed: null });
 
-async function start() {
-  loadLibrary();
-  byId("key").addEventListener("change", () => {
-    keepKey(byId("key").value);
+/** A server with a key answers nothing without it. */
+function askForKey() {
+  if (byId("key")) return;
+  const input = element("input", { id: "key", type: "text", autocomplete: "off", spellcheck: "false" });
+  input.addEventListener("change", () => {
+    keepKey(input.value);
     location.reload();
   });
+  const note = element("p", { class: "note" }, "It is kept in this tab only.");
+  byId("scene").prepend(element("div", { class: "field" }, element("label", { for: "key" }, "Key of this server"), input, note));
+  input.focus();
+}
+
+async function start() {
+  loadLibrary();
   try {
     new Page(await Catalogue.load()).restore();
   } catch (error) {
     if (!(error instanceof Problem)) throw error;
     byId("scene-error").textContent = error.message;
     byId("scene-error").hidden = false;
-    byId("key-field").hidden = error.status !== 401;
+    if (error.status === 401) askForKey();
   }
 }
 

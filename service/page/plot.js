@@ -51,7 +51,8 @@ export class Plot {
     const view = await this.#making;
     for (const [name, value] of Object.entries(signals)) view.signal(name, value);
     for (const [name, rows] of Object.entries(data)) view.data(name, rows);
-    await view.runAsync();
+    // Labels may have another width now: the axes are laid out anew.
+    await view.resize().runAsync();
   }
 
   /** Change signals alone; nothing where the view is not there yet. */

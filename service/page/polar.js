@@ -21,22 +21,25 @@ export class Polar {
   #container;
 
   /**
-   * Draw a view angle. `lobe` is {theta_i_deg, value}, f cos over the light's angle, `densities` are {label, colour,
-   * dash, theta_i_deg, pdf}; all in the same unit, 1/sr.
+   * Draw a view angle. `curves` are {label, colour, dash, opacity, theta_i_deg, value, pdf}: f cos and the density over
+   * the light's angle, in 1/sr. Equal lobes are drawn once.
    */
-  async draw(angle, lobe, densities) {
-    const finite = [...lobe.value, ...densities.flatMap((one) => one.pdf)].filter((value) => value !== null);
+  async draw(angle, curves) {
+    const finite = curves.flatMap((one) => [...one.value, ...one.pdf]).filter((value) => value !== null);
     const outermost = 1.08 * Math.max(...finite, 1e-6);
-    const points = (angles, values) =>
-      angles.map((theta, index) => ({ theta, value: values[index], ...at(theta, values[index] ?? 0), order: index }));
-    const rows = densities.flatMap((one) =>
-      points(one.theta_i_deg, one.pdf).map((row) => ({ ...row, name: one.label, colour: one.colour, dash: one.dash })),
-    );
+    const lobes = [...new Map(curves.map((one) => [JSON.stringify(one.value), one])).values()];
     const { grid, labels } = gridOf(outermost);
     const view = at(angle, outermost);
-    const data = { lobe: points(lobe.theta_i_deg, lobe.value), densities: rows, grid, labels, view: [{ x: 0, y: 0 }, view], tip: [view] };
+    const data = {
+      lobes: lobes.flatMap((one) => points(one, one.value)),
+      densities: curves.flatMap((one) => points(one, one.pdf)),
+      grid,
+      labels,
+      view: [{ x: 0, y: 0 }, view],
+      tip: [view],
+    };
     await this.#plot.draw(data, { reach: outermost });
-    const names = densities.map((one) => one.label).join(", ");
+    const names = curves.map((one) => one.label).join(", ");
     this.#container.setAttribute("aria-label", `Polar picture at view angle ${angle.toFixed(2)} degrees: the BRDF times cosine, and the densities of ${names || "no technique"}.`);
   }
 
@@ -44,6 +47,10 @@ export class Polar {
   reset() {
     this.#plot.reset();
   }
+}
+
+function points({ label, colour, dash, opacity, theta_i_deg }, values) {
+  return theta_i_deg.map((theta, order) => ({ label, colour, dash, opacity, order, ...at(theta, values[order] ?? 0) }));
 }
 
 function gridOf(reach) {
@@ -66,7 +73,10 @@ function spec() {
   const y = { field: "y", type: "quantitative", axis: null, scale: { domain: [{ expr: "-0.1 * reach" }, { expr: "1.02 * reach" }], nice: false, zero: false } };
   const order = { field: "order", type: "quantitative" };
   const path = (name, mark, more) => ({ data: { name }, mark: { type: "line", ...mark }, encoding: { x, y, order, ...more } });
+  const detail = { field: "label", type: "nominal" };
   const colour = { field: "colour", type: "nominal", scale: null };
+  const strokeDash = { field: "dash", type: "nominal", scale: null };
+  const opacity = { field: "opacity", type: "quantitative", scale: null };
   return {
     $schema: "https://vega.github.io/schema/vega-lite/v6.json",
     width: "container",
@@ -74,17 +84,17 @@ function spec() {
     autosize: { type: "fit", contains: "padding" },
     view: { stroke: null },
     params: [{ name: "reach", value: 1 }],
-    datasets: { lobe: [], densities: [], grid: [], labels: [], view: [], tip: [] },
+    datasets: { lobes: [], densities: [], grid: [], labels: [], view: [], tip: [] },
     layer: [
       path("grid", { color: faint, strokeWidth: 1 }, { detail: { field: "part", type: "nominal" } }),
-      path("lobe", { filled: true, color: reference, fillOpacity: 0.16, stroke: reference, strokeWidth: 1 }, {}),
+      path("lobes", { filled: true, color: reference, fillOpacity: 0.16, stroke: reference, strokeWidth: 1 }, { detail }),
       path("view", { color: line, strokeWidth: 1.4 }, {}),
       {
         data: { name: "tip" },
         mark: { type: "text", text: "wo", dx: 12, dy: 2, color: text, fontSize: 12, fontStyle: "italic" },
         encoding: { x, y },
       },
-      path("densities", { strokeWidth: 1.8 }, { color: colour, strokeDash: { field: "dash", type: "nominal", scale: null }, detail: { field: "name", type: "nominal" } }),
+      path("densities", { strokeWidth: 1.8 }, { color: colour, strokeDash, opacity, detail }),
       {
         data: { name: "labels" },
         mark: { type: "text", dy: 10, color: text, fontSize: 10.5 },

@@ -42,9 +42,8 @@ function verdict({ series, key }, open) {
 function finding({ name, message, evidence }, id, open, named) {
   const facts = Object.entries(evidence).map(([key, value]) => [element("dt", {}, key), element("dd", {}, fact(key, value))]);
   const words = named ? `${name}: ${message}` : message;
-  const details = element("details", { "data-of": id, open: open.has(id) }, element("summary", {}, "evidence"));
-  details.append(element("dl", {}, ...facts.flat()));
-  return element("div", { class: "finding" }, element("p", {}, words), details);
+  const summary = element("summary", { title: "show the evidence" }, words);
+  return element("details", { "data-of": id, open: open.has(id) }, summary, element("dl", {}, ...facts.flat()));
 }
 
 /** A piece of evidence in words: numbers one by one where they are few, else their count and range. */
@@ -56,8 +55,8 @@ function fact(name, value) {
     return value.length > 1 ? `${text(value[0])} and ${value.length - 1} more` : text(value[0]);
   }
   if (!numbers.length) return "none";
-  if (numbers.length <= LISTED) return numbers.map(write).join(", ");
-  const spread = [Math.min(...numbers), Math.max(...numbers)].map(write);
+  if (numbers.length <= LISTED) return numbers.map((one) => write(one)).join(", ");
+  const spread = [Math.min(...numbers), Math.max(...numbers)].map((one) => write(one));
   return `${numbers.length} values, ${spread[0] === spread[1] ? `all ${spread[0]}` : spread.join(" to ")}`;
 }
 
