@@ -5,12 +5,12 @@ import { OneAngle } from "./angle.js";
 import { Catalogue } from "./catalogue.js";
 import { Controls } from "./controls.js";
 import { curvesOf } from "./curves.js";
-import { byId, element } from "./elements.js";
+import { announce, byId, element } from "./elements.js";
 import { hideHover, showHover } from "./hover.js";
 import { degrees, withError } from "./numbers.js";
 import { Panels, TITLES } from "./panels.js";
 import { loadLibrary } from "./plot.js";
-import { Problem, keepKey } from "./server.js";
+import { Away, Problem, keepKey, untilBack } from "./server.js";
 import { SpeedStudy } from "./speed-study.js";
 import { Statistics } from "./statistics.js";
 import { offer } from "./take.js";
@@ -86,7 +86,6 @@ class Page {
   #refused(problem) {
     this.#controls.showErrors(problem.fields, problem.message);
     byId("panels").hidden = !this.#statistics.series.length;
-    if (problem.status === 401) askForKey();
   }
 
   /** Draw what is known, once for all that arrives within one drawing. */
@@ -148,27 +147,47 @@ class Page {
 const SLICE = (angle) => ({ theta_o_deg: angle, angles: null, method: null, samples: null, seed: null });
 
 /** A server with a key answers nothing without it. */
-function askForKey() {
-  if (byId("key")) return;
+function askForKey(words) {
   const input = element("input", { id: "key", type: "text", autocomplete: "off", spellcheck: "false" });
+  const field = element(
+    "div",
+    { class: "field" },
+    element("label", { for: "key" }, "Key of this server"),
+    input,
+    element("p", { class: "error", role: "alert" }, words),
+    element("p", { class: "note" }, "The key is kept in this tab only."),
+  );
   input.addEventListener("change", () => {
     keepKey(input.value);
-    location.reload();
+    field.remove();
+    start();
   });
-  const note = element("p", { class: "note" }, "It is kept in this tab only.");
-  byId("scene").prepend(element("div", { class: "field" }, element("label", { for: "key" }, "Key of this server"), input, note));
+  byId("scene").prepend(field);
   input.focus();
 }
 
 async function start() {
   loadLibrary();
+  let catalogue;
   try {
-    new Page(await Catalogue.load()).restore();
+    catalogue = await loadCatalogue();
   } catch (error) {
-    if (!(error instanceof Problem)) throw error;
-    byId("scene-error").textContent = error.message;
-    byId("scene-error").hidden = false;
-    if (error.status === 401) askForKey();
+    if (error.status !== 401) throw error;
+    return askForKey(error.message);
+  }
+  new Page(catalogue).restore();
+}
+
+/** The catalogue, when the server is there. */
+async function loadCatalogue() {
+  for (;;) {
+    try {
+      return await Catalogue.load();
+    } catch (error) {
+      if (!(error instanceof Away)) throw error;
+      announce(error.message);
+      await untilBack(error.afterS, new AbortController().signal);
+    }
   }
 }
 

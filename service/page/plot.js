@@ -1,5 +1,6 @@
 // One plot: a Vega-Lite view in an element, whose data and signals change while it stands.
 
+import { element } from "./elements.js";
 import { config } from "./theme.js";
 
 let library = null;
@@ -40,7 +41,9 @@ export class Plot {
 
   /** `spec()` is the Vega-Lite spec; `onHover(event, datum)` hears what mark the pointer is on, null on none. */
   constructor(container, spec, onHover = null) {
-    this.#container = container;
+    // Vega says what it is to screen readers on its own element; ours has the words that help.
+    this.#container = element("div", { class: "vega" });
+    container.append(this.#container);
     this.#spec = spec;
     this.#onHover = onHover;
   }

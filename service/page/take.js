@@ -33,13 +33,15 @@ function curl(path) {
 
 /** Do what a button is for; say so where it fails. */
 async function act(button, work) {
-  button.disabled = true;
+  // Not `disabled`: that would take the focus away.
+  if (button.ariaBusy === "true") return;
+  button.ariaBusy = "true";
   try {
     await work();
   } catch (error) {
     say(button, `This did not work: ${error.message}`);
   } finally {
-    button.disabled = false;
+    button.ariaBusy = "false";
   }
 }
 

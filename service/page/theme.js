@@ -61,12 +61,14 @@ export function config() {
   const { text, faint, line } = ink();
   const font = "Liberation Sans, Arial, Helvetica, sans-serif";
   return {
-    aria: false,
+    // Whoever does not see a plot hears its label and reads the table: not each of its lines.
+    mark: { aria: false },
     background: null,
     font,
     padding: { left: 2, right: 8, top: 6, bottom: 2 },
     view: { stroke: line, strokeWidth: 0.8 },
     axis: {
+      aria: false,
       labelColor: text,
       titleColor: text,
       tickColor: line,

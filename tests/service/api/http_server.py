@@ -40,14 +40,14 @@ HUGE = LONG | {"estimator": {"samples": 10**9, "seed": 3}}
 class Server:
     """A server of its own. `settings` are SAMPLERSCOPE_* without the prefix, in lower case."""
 
-    def __init__(self, folder: Path, **settings: object) -> None:
+    def __init__(self, folder: Path, port: int = 0, **settings: object) -> None:
         self.folder = folder
         self.settings = {"data_dir": folder / "data", **settings}
         self.log = folder / f"log-{time.monotonic_ns()}"
         environment = os.environ | {f"SAMPLERSCOPE_{k.upper()}": str(v) for k, v in self.settings.items()}
         with self.log.open("wb") as errors:
             self.process = subprocess.Popen(
-                [sys.executable, "-c", "from service.cli import main; main()", "serve", "--port", "0"],
+                [sys.executable, "-c", "from service.cli import main; main()", "serve", "--port", str(port)],
                 env=environment,
                 stderr=errors,
                 stdout=subprocess.DEVNULL,
