@@ -5,7 +5,7 @@ OUT := out
 COMPILE := $(BIN)/uv pip compile --quiet --upgrade --generate-hashes --python-version 3.11 --custom-compile-command 'make lock'
 
 .DEFAULT_GOAL := help
-.PHONY: help setup stats figures docs test bench bench-http bench-checks lint container container-test lock clean
+.PHONY: help setup stats figures docs browser test bench bench-http bench-checks lint container container-test lock clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 16
@@ -32,7 +32,10 @@ figures: setup  ## every figure of the papers, as PNG, SVG, Vega-Lite and JSON i
 docs: setup  ## write docs/models.md from the heads of the shader files and from the reference
 	$(BIN)/python -m service.models_page docs/models.md
 
-test: setup  ## prove it right, on the real driver
+browser:  ## bring Debian's Chromium, which the tests of the page drive
+	tests/page/install-chromium.sh
+
+test: setup browser  ## prove it right, on the real driver
 	$(BIN)/pytest
 
 bench: setup  ## speed and calibration beside NumPy, Numba, Dr.Jit and C++, brought on demand; minutes

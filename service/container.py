@@ -56,12 +56,17 @@ def seed(baked: Path) -> None:
 
 
 def warm(*, everything: bool) -> None:
-    """Compile the statistics of every model with every technique made for it; with `everything`, all other jobs too."""
+    """Compile the statistics of every model with every technique made for it; with `everything`, all other jobs too.
+
+    The page's plotting library is bundled as well.
+    """
     from service.catalogue import load_catalogue
     from service.engine import Engine, Job
+    from service.plotting_library import plotting_library
     from service.scene import parse_scene, resolve
     from service.statistics import compute_statistics
 
+    plotting_library()
     catalogue = load_catalogue()
     with Engine.open(catalogue) as engine:
         for model in catalogue.models.values():

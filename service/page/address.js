@@ -34,7 +34,7 @@ export function readAddress(query, catalogue) {
   if (given.has("theta_o_deg") && !isList(state.angles)) state.angles += ",";
   state.techniques = given.has("techniques") ? names(given.get("techniques")) : null;
   state.hidden = (given.get(PAGE.hidden) ?? "").split(";").filter(Boolean);
-  state.at = given.has(PAGE.at) ? Number(given.get(PAGE.at)) : null;
+  state.at = Number.isFinite(parseFloat(given.get(PAGE.at))) ? parseFloat(given.get(PAGE.at)) : null;
   state.speed = given.has(PAGE.speed);
   state.over = given.get(PAGE.over);
   const known = new Set([...Object.values(OWN), ...Object.values(PAGE), "theta_o_deg", "angles", "techniques"]);

@@ -4,7 +4,6 @@ import { STATISTICS, noLimit } from "./curves.js";
 import { byId, element, swatch } from "./elements.js";
 import { degrees, short, withError } from "./numbers.js";
 import { Polar } from "./polar.js";
-import { nearest } from "./panels.js";
 import { json } from "./server.js";
 
 const HEADS = { variance: "variance", max_weight: "largest weight", mean: "mean weight" };
@@ -25,10 +24,10 @@ export class OneAngle {
     slider.addEventListener("change", () => onChoose(this.#angles[slider.valueAsNumber], true));
   }
 
-  /** Show the curves at the angle nearest to `angle`. The slice comes from the server where the scene or angle changed. */
+  /** Show the curves at `angle`, one of `angles`. The slice comes from the server where the scene or angle changed. */
   async show(curves, angles, angle) {
     this.#angles = angles;
-    const index = angles.indexOf(nearest(angles, angle ?? 0));
+    const index = angles.indexOf(angle);
     const slider = byId("angle");
     slider.max = angles.length - 1;
     slider.value = index;

@@ -8,7 +8,7 @@ import { curvesOf } from "./curves.js";
 import { announce, byId, element } from "./elements.js";
 import { hideHover, showHover } from "./hover.js";
 import { degrees, withError } from "./numbers.js";
-import { Panels, TITLES } from "./panels.js";
+import { Panels, TITLES, nearest } from "./panels.js";
 import { loadLibrary } from "./plot.js";
 import { Away, Problem, keepKey, untilBack } from "./server.js";
 import { SpeedStudy } from "./speed-study.js";
@@ -52,6 +52,7 @@ class Page {
   restore() {
     this.#state = this.#catalogue.complete(readAddress(location.search, this.#catalogue));
     this.#controls.show(this.#state);
+    document.title = titleOf(this.#state);
     this.#ask(true);
   }
 
@@ -74,7 +75,7 @@ class Page {
   #remember() {
     const address = addressOf(this.#state, this.#catalogue);
     if (address !== location.pathname + location.search) history.pushState(null, "", address);
-    document.title = `${this.#state.model} – samplerscope`;
+    document.title = titleOf(this.#state);
   }
 
   #ask(settled) {
@@ -109,13 +110,14 @@ class Page {
     byId("panels").hidden = false;
     this.#curves = curvesOf(series, this.#state.hidden);
     const angles = series[0].theta_o_deg;
+    const at = nearest(angles, this.#state.at);
     showCurves(this.#curves, (key) => this.#toggle(key));
-    await this.#panels.draw(this.#curves, angles, this.#state.at);
+    await this.#panels.draw(this.#curves, angles, at);
     performance.mark("plotted");
     document.body.dataset.plotted = String(Number(document.body.dataset.plotted ?? 0) + 1);
     if (run) byId("device").textContent = `${run.device}, driver ${run.driver}, ${run.threads} threads`;
     // The slice is a question of its own: curves do not wait for it.
-    this.#angle.show(this.#curves, angles, this.#state.at).catch((error) => {
+    this.#angle.show(this.#curves, angles, at ?? angles[0]).catch((error) => {
       if (!(error instanceof Problem)) byId("polar-note").textContent = error.message;
     });
   }
@@ -142,6 +144,8 @@ class Page {
     this.#speed.redraw();
   }
 }
+
+const titleOf = ({ model }) => `${model} – samplerscope`;
 
 /** What a slice asks for in place of a scene's angles; it draws nothing. */
 const SLICE = (angle) => ({ theta_o_deg: angle, angles: null, method: null, samples: null, seed: null });

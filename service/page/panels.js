@@ -45,11 +45,6 @@ export class Panels {
     await Promise.all(this.#parts.map((part) => this.#drawPart(part, shown, chosen)));
   }
 
-  /** Mark the chosen angle. */
-  choose(angle) {
-    this.#mark({ chosen: angle });
-  }
-
   /** Draw anew, in other colours, at the next `draw`. */
   reset() {
     for (const { plot } of this.#parts) plot.reset();

@@ -37,6 +37,7 @@ export class Statistics {
   /** Ask for the scene of a state; for all of it once it is settled. */
   ask(state, settled) {
     this.#state = state;
+    this.run = null;
     clearTimeout(this.#timer);
     this.#question.drop();
     this.#draft();
@@ -70,7 +71,6 @@ export class Statistics {
 
   async #whole() {
     const state = this.#state;
-    this.run = null;
     this.#progress.begin("asking");
     const hear = {
       progress: (done, total, name) => this.#progress.further(done, total, name),

@@ -89,7 +89,12 @@ class Visit:
 
     def lines(self, panel: int = 0) -> list[str]:
         """The outlines of what a panel draws: equal only where the same curves are drawn."""
-        return self.tab.locator(".panel").nth(panel).locator("svg path").evaluate_all("all => all.map(p => p.getAttribute('d'))")
+        return (
+            self.tab.locator(".panel")
+            .nth(panel)
+            .locator("svg path")
+            .evaluate_all("all => all.map(p => p.getAttribute('d'))")
+        )
 
     @property
     def said(self):

@@ -54,9 +54,21 @@ def test_the_tab_key_reaches_every_control_in_order_from_a_skip_link(visit):
     reached = []
     for _ in range(60):
         tab.keyboard.press("Tab")
-        reached.append(tab.evaluate("document.activeElement.id || document.activeElement.textContent.trim().slice(0, 20)"))
+        reached.append(
+            tab.evaluate("document.activeElement.id || document.activeElement.textContent.trim().slice(0, 20)")
+        )
         if reached[-1] == "Figures of papers":
             break
     assert reached[0] == "Skip to the results"
-    wanted = ["Copy as", "model", "parameter-albedo", "technique-uniform", "angles", "seed", "uniform", "angle", "measure"]
+    wanted = [
+        "Copy as",
+        "model",
+        "parameter-albedo",
+        "technique-uniform",
+        "angles",
+        "seed",
+        "uniform",
+        "angle",
+        "measure",
+    ]
     assert [name for name in reached if name in wanted] == wanted

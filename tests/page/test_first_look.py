@@ -66,7 +66,9 @@ def test_every_module_is_loaded_ahead_and_nothing_comes_from_elsewhere():
 
     Links().feed((FILES / "index.html").read_text())
     preloaded = {one["href"] for one in found if one.get("rel") == "modulepreload"}
-    assert preloaded == {f"/page/{path.name}" for path in FILES.glob("*.js")} - {"/page/main.js"} | {"/page/vega-embed.js"}
+    assert preloaded == {f"/page/{path.name}" for path in FILES.glob("*.js")} - {"/page/main.js"} | {
+        "/page/vega-embed.js"
+    }
     addresses = [one[name] for one in found for name in ("href", "src") if name in one]
     assert all(address.startswith(("/", "#")) and not address.startswith("//") for address in addresses)
 

@@ -10,15 +10,30 @@ SCENE = "?model=eon&roughness=0.5&albedo=1&techniques=cosine,cltc-mis&angles=16&
 def test_a_slider_redraws_while_it_moves_and_is_in_the_address_when_it_rests(visit):
     one = visit()
     tab = one.open(SCENE)
-    before, lines = one.drawn(), one.lines()
-    slider = tab.get_by_label("roughness, slider")
-    slider.focus()
-    slider.press("End")
+    address, lines = tab.url, one.lines()
+    box = tab.get_by_label("roughness, slider").bounding_box()
+    middle = box["y"] + box["height"] / 2
+    tab.mouse.move(box["x"] + box["width"] / 2, middle)
+    tab.mouse.down()
+    tab.mouse.move(box["x"] + box["width"] - 2, middle, steps=4)
     expect(tab.get_by_label("roughness", exact=True)).to_have_value("1")
+    assert changed(one, lines)
+    assert tab.url == address
+    tab.mouse.up()
     tab.wait_for_url("**roughness=1&**")
     one.done()
-    assert one.drawn() > before
-    assert one.lines() != lines
+
+
+def test_a_slider_moves_by_keyboard(visit):
+    one = visit()
+    tab = one.open(SCENE)
+    lines = one.lines()
+    slider = tab.get_by_label("roughness, slider")
+    slider.focus()
+    slider.press("Home")
+    expect(tab.get_by_label("roughness", exact=True)).to_have_value("0")
+    tab.wait_for_url("**roughness=0&**")
+    assert changed(one, lines)
 
 
 def test_controls_say_what_the_catalogue_says(visit, server):
@@ -64,8 +79,17 @@ def test_a_link_brings_the_same_page_also_back_forward_and_reloaded(visit):
 
 def settled(one, lines) -> bool:
     """Whether the second panel comes to show these lines."""
-    for _ in range(300):
-        if one.lines(1) == lines:
+    return comes(one, lambda: one.lines(1) == lines)
+
+
+def changed(one, lines) -> bool:
+    """Whether the first panel comes to show other lines than these."""
+    return comes(one, lambda: one.lines() != lines)
+
+
+def comes(one, holds) -> bool:
+    for _ in range(600):
+        if holds():
             return True
         one.tab.wait_for_timeout(50)
     return False
