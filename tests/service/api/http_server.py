@@ -38,8 +38,8 @@ LONG = {
 }
 """A question of about half a second and 16 launches."""
 
-HUGE = LONG | {"estimator": {"samples": 10**9, "seed": 3}}
-"""A question of many minutes."""
+HUGE = LONG | {"estimator": {"samples": 10**10, "seed": 3}}
+"""A question of an hour."""
 
 
 def wait_until(holds: Callable[[], Any], what: str) -> None:

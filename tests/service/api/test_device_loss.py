@@ -6,7 +6,6 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 
 import httpx
-import pytest
 from http_server import HUGE, LONG, PATIENCE_S, SMALL, seeded, wait_until, without_run
 from own_time import OwnTime
 
