@@ -78,12 +78,10 @@ const scaled = (values, albedo) => (albedo ? values.map((one) => (one === null ?
 function showTable(curves, index, here) {
   const statistics = STATISTICS.filter((name) => curves.some((curve) => curve.series[name]));
   const head = element("tr", {}, element("th", { scope: "col" }, "curve"));
-  for (const name of statistics) {
-    head.append(element("th", { scope: "col" }, HEADS[name]), element("th", { scope: "col" }, name === "max_weight" ? "bound" : "exact"));
-  }
+  for (const name of statistics) head.append(element("th", { scope: "col" }, HEADS[name]));
   const rows = curves.map((curve) => {
     const name = element("th", { scope: "row" }, swatch(curve), " ", curve.label);
-    return element("tr", {}, name, ...statistics.flatMap((statistic) => cells(curve.series, statistic, index)));
+    return element("tr", {}, name, ...statistics.map((statistic) => cell(curve.series, statistic, index)));
   });
   byId("values").replaceChildren(
     element("caption", {}, `Values at ${here}`),
@@ -92,11 +90,13 @@ function showTable(curves, index, here) {
   );
 }
 
-function cells(series, statistic, index) {
+/** The sampled value, and below it the exact one; a value that has no limit stands in brackets. */
+function cell(series, statistic, index) {
   const value = series[statistic]?.[index];
   const error = series[`${statistic}_stderr`]?.[index];
-  const exact = series.reference?.[statistic]?.[index];
-  const truth = !series.reference ? "–" : exact === null ? "∞" : short(exact, 5);
   const text = noLimit(series, statistic)[index] ? `[${short(value)}]` : withError(value, error);
-  return [element("td", {}, text), element("td", {}, truth)];
+  if (!series.reference) return element("td", {}, text);
+  const exact = series.reference[statistic][index];
+  const word = statistic === "max_weight" ? "bound" : "exact";
+  return element("td", {}, text, element("small", {}, `${word} ${exact === null ? "∞" : short(exact, 5)}`));
 }
