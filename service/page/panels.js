@@ -138,7 +138,7 @@ function spec(statistic) {
       },
       {
         data: { name: "truth" },
-        mark: { type: "line", strokeWidth: 0.8, opacity: 0.9, clip: true },
+        mark: { type: "line", strokeWidth: 0.7, opacity: 0.75, clip: true },
         encoding: { x, y, detail, color: statistic === "max_weight" ? colour : { value: ink().reference } },
       },
     ],

@@ -19,6 +19,8 @@ export class Away extends Error {
 }
 
 const BUSY = new Set([429, 502, 503, 504]);
+// A server with nothing to tell sends a sign of life every ten seconds.
+const SILENT_MS = 30_000;
 const KEY = "samplerscope-key";
 
 /** Keep the key of a server that wants one, for as long as the tab lives. */
@@ -70,16 +72,29 @@ export async function* events(path, signal) {
   const reply = await request(path, { signal, headers: { accept: "text/event-stream" } });
   const reader = reply.body.pipeThrough(new TextDecoderStream()).getReader();
   let rest = "";
-  for (;;) {
-    const { done, value } = await whole(() => reader.read());
-    if (done) return;
-    const parts = (rest + value).split("\n\n");
-    rest = parts.pop();
-    for (const part of parts) {
-      const found = /^event: (.*)\ndata: (.*)$/s.exec(part);
-      if (found) yield { name: found[1], data: JSON.parse(found[2]) };
+  try {
+    for (;;) {
+      const { done, value } = await whole(() => soon(reader.read()));
+      if (done) return;
+      const parts = (rest + value).split("\n\n");
+      rest = parts.pop();
+      for (const part of parts) {
+        const found = /^event: (.*)\ndata: (.*)$/s.exec(part);
+        if (found) yield { name: found[1], data: JSON.parse(found[2]) };
+      }
     }
+  } finally {
+    reader.cancel().catch(() => {});
   }
+}
+
+/** What a promise brings; an error where it takes longer than a server that is there stays silent. */
+function soon(promise) {
+  let timer;
+  const late = new Promise((_, reject) => {
+    timer = setTimeout(() => reject(new Error("silent")), SILENT_MS);
+  });
+  return Promise.race([promise, late]).finally(() => clearTimeout(timer));
 }
 
 /** Wait; ends early, with the signal's AbortError. */
