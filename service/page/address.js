@@ -5,7 +5,7 @@
  * A scene with what is looked at. Values are texts as they were typed: the server says what is wrong with them.
  * `techniques` is null for all that are made for the model; `rest` are fields that have no control, passed on as they are.
  */
-export const DEFAULT = {
+const DEFAULT = {
   model: "eon",
   parameters: {},
   techniques: null,
@@ -72,7 +72,8 @@ export function commandLine(state, catalogue) {
   const options = { techniques: "technique" };
   for (const [name, value] of sceneQuery(state, catalogue)) {
     if (catalogue.parameters.has(name)) words.push("--set", `${name}=${value}`);
-    else if (["error_bars", "reference"].includes(name)) words.push(...(value === "false" ? [`--no-${dashed(name)}`] : []));
+    else if (["error_bars", "reference"].includes(name))
+      words.push(...(value === "false" ? [`--no-${dashed(name)}`] : []));
     else words.push(`--${dashed(options[name] ?? name)}`, value);
   }
   return words.map(quoted).join(" ");
@@ -92,7 +93,16 @@ function sceneQuery(state, catalogue) {
 // Commas and slashes may stand in a query as they are, and read better.
 const text = (query) => query.toString().replaceAll("%2C", ",").replaceAll("%2F", "/");
 const isList = (angles) => /[,.]/.test(angles);
-const names = (list) => list.split(",").map((name) => name.trim()).filter(Boolean);
-const trimmed = (list) => list.split(",").map((part) => part.trim()).filter(Boolean).join(",");
+const names = (list) =>
+  list
+    .split(",")
+    .map((name) => name.trim())
+    .filter(Boolean);
+const trimmed = (list) =>
+  list
+    .split(",")
+    .map((part) => part.trim())
+    .filter(Boolean)
+    .join(",");
 const dashed = (name) => name.replaceAll("_", "-");
 const quoted = (word) => (/^[\w.,=/+-]+$/.test(word) ? word : `'${word.replaceAll("'", `'\\''`)}'`);

@@ -14,9 +14,7 @@ export class Catalogue {
     this.#model = new Map(models.map((one) => [one.name, one]));
     this.#technique = new Map(techniques.map((one) => [one.name, one]));
     /** Every declared parameter by name, to know one in an address. */
-    this.parameters = new Map(
-      [...techniques, ...models].flatMap((one) => Object.entries(one.parameters)),
-    );
+    this.parameters = new Map([...techniques, ...models].flatMap((one) => Object.entries(one.parameters)));
   }
 
   #model;
@@ -64,7 +62,9 @@ export class Catalogue {
 
   /** Names of the parameters that the density of a state's techniques depends on, which an efficiency may vary with. */
   readParameters(state) {
-    const techniques = this.techniquesOf(state).map((name) => this.#technique.get(name)).filter(Boolean);
+    const techniques = this.techniquesOf(state)
+      .map((name) => this.#technique.get(name))
+      .filter(Boolean);
     const read = new Set(techniques.flatMap((one) => [...one.uses, ...Object.keys(one.parameters)]));
     const all = this.parametersOf(state).map(({ name }) => name);
     return [...all.filter((name) => read.has(name)), ...all.filter((name) => !read.has(name))];

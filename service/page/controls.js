@@ -25,9 +25,13 @@ export class Controls {
     this.#catalogue = catalogue;
     this.#onChange = onChange;
     byId("scene").addEventListener("submit", (event) => event.preventDefault());
-    for (const { name, title } of catalogue.models) byId("model").append(element("option", { value: name }, `${name}: ${title}`));
+    for (const { name, title } of catalogue.models)
+      byId("model").append(element("option", { value: name }, `${name}: ${title}`));
     byId("model").addEventListener("change", () => {
-      this.#change({ model: byId("model").value, techniques: null, parameters: {}, azimuth: "", over: null }, true);
+      this.#change(
+        { model: byId("model").value, techniques: null, parameters: {}, azimuth: "", hidden: [], over: null },
+        true,
+      );
     });
     this.#makeEstimator();
     // Where the results come below the controls, on a phone, groups are closed so that they are near.
@@ -56,7 +60,9 @@ export class Controls {
   /** Show what is wrong at the fields it is wrong at: {field, value, allowed} each. What has no field stands below. */
   showErrors(fields, detail = "") {
     this.clearErrors();
-    const elsewhere = fields.filter((one) => !showError(one)).map((one) => `${one.field} = ${one.value}: ${one.allowed}`);
+    const elsewhere = fields
+      .filter((one) => !showError(one))
+      .map((one) => `${one.field} = ${one.value}: ${one.allowed}`);
     if (!fields.length && detail) elsewhere.push(detail);
     byId("scene-error").textContent = elsewhere.join("; ");
     byId("scene-error").hidden = !elsewhere.length;
@@ -79,7 +85,13 @@ export class Controls {
       input.setAttribute("aria-describedby", `${name}-note`);
       input.addEventListener("change", () => this.#change({ [name]: input.value }, true));
       const words = element("p", { class: "note", id: `${name}-note` }, note);
-      return element("div", { class: "field", "data-field": field }, element("label", { for: name }, label), input, words);
+      return element(
+        "div",
+        { class: "field", "data-field": field },
+        element("label", { for: name }, label),
+        input,
+        words,
+      );
     });
     const select = element("select", { id: "method" });
     for (const [name, label] of Object.entries(METHODS)) select.append(element("option", { value: name }, label));
@@ -101,7 +113,13 @@ export class Controls {
     const scale = sliderScale(parameter);
     const [id, noteId] = [`parameter-${name}`, `parameter-${name}-note`];
     const label = unit ? `${name} (${unit})` : name;
-    const text = element("input", { id, type: "text", inputmode: "decimal", autocomplete: "off", "aria-describedby": noteId });
+    const text = element("input", {
+      id,
+      type: "text",
+      inputmode: "decimal",
+      autocomplete: "off",
+      "aria-describedby": noteId,
+    });
     const slider = element("input", { type: "range", min: 0, max: STEPS, step: 1, "aria-label": `${label}, slider` });
     const set = (value, settled) => this.#change({ parameters: { ...this.#state.parameters, [name]: value } }, settled);
     text.addEventListener("change", () => set(text.value, true));
@@ -138,7 +156,8 @@ export class Controls {
     const others = this.#catalogue.techniques.filter((one) => !all.includes(one.name)).map(box);
     fitting.push(...unknown.map((name) => box({ name, title: "not in the catalogue" })));
     const focused = document.activeElement?.id;
-    const open = byId("techniques").querySelector("details")?.open || others.some((one) => one.querySelector(":checked"));
+    const open =
+      byId("techniques").querySelector("details")?.open || others.some((one) => one.querySelector(":checked"));
     const more = element("details", { open }, element("summary", {}, "made for other models"), ...others);
     byId("techniques").replaceChildren(...fitting, ...(others.length ? [more] : []));
     if (focused?.startsWith("technique-")) byId(focused)?.focus();
@@ -152,7 +171,12 @@ export class Controls {
       const boxes = [...byId("techniques").querySelectorAll("input:checked")];
       this.#change({ techniques: boxes.map((one) => one.value) }, true);
     });
-    return element("div", { class: "choice" }, input, element("label", { for: id }, name, " ", element("small", {}, title)));
+    return element(
+      "div",
+      { class: "choice" },
+      input,
+      element("label", { for: id }, name, " ", element("small", {}, title)),
+    );
   }
 }
 

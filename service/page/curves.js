@@ -29,7 +29,15 @@ export function curvesOf(series, hidden) {
     const last = count.get(one.technique) - 1;
     const opacity = last ? 0.4 + (0.6 * place[index]) / last : 1;
     const { technique } = one;
-    return { key: label, label, technique, series: one, ...styles.get(technique), opacity, shown: !hidden.includes(label) };
+    return {
+      key: label,
+      label,
+      technique,
+      series: one,
+      ...styles.get(technique),
+      opacity,
+      shown: !hidden.includes(label),
+    };
   });
 }
 
@@ -81,7 +89,10 @@ export function sampledRows(curve, statistic) {
   const alone = new Map();
   for (const row of rows) alone.set(row.run, (alone.get(row.run) ?? 0) + 1);
   const every = Math.max(1, Math.ceil(rows.length / MARKERS));
-  return rows.map((row, index) => ({ ...row, marker: alone.get(row.run) === 1 || (!row.limit && index % every === 0) }));
+  return rows.map((row, index) => ({
+    ...row,
+    marker: alone.get(row.run) === 1 || (!row.limit && index % every === 0),
+  }));
 }
 
 /** The rows of a curve's reference. */

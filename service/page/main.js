@@ -41,7 +41,10 @@ class Page {
       onChoose: (angle, settled) => this.#look({ at: angle }, settled),
       pathOf: (angle) => questionPath("slices", this.#state, catalogue, SLICE(angle)),
     });
-    this.#statistics = new Statistics(catalogue, { onSeries: () => this.#redraw(), onProblem: (problem) => this.#refused(problem) });
+    this.#statistics = new Statistics(catalogue, {
+      onSeries: () => this.#redraw(),
+      onProblem: (problem) => this.#refused(problem),
+    });
     this.#speed = new SpeedStudy(catalogue, (changed) => this.#look(changed));
     offer(catalogue, () => this.#state);
     addEventListener("popstate", () => this.restore());
@@ -113,13 +116,19 @@ class Page {
     const at = nearest(angles, this.#state.at);
     showCurves(this.#curves, (key) => this.#toggle(key));
     await this.#panels.draw(this.#curves, angles, at);
-    performance.mark("plotted");
-    document.body.dataset.plotted = String(Number(document.body.dataset.plotted ?? 0) + 1);
+    this.#noteDrawn();
     if (run) byId("device").textContent = `${run.device}, driver ${run.driver}, ${run.threads} threads`;
     // The slice is a question of its own: curves do not wait for it.
     this.#angle.show(this.#curves, angles, at ?? angles[0]).catch((error) => {
       if (!(error instanceof Problem)) byId("polar-note").textContent = error.message;
     });
+  }
+
+  /** For whoever measures the page: when the first curves stood, and how often they were drawn. */
+  #noteDrawn() {
+    const { dataset } = document.body;
+    if (!dataset.plotted) performance.mark("plotted");
+    dataset.plotted = String(Number(dataset.plotted ?? 0) + 1);
   }
 
   #toggle(key) {
@@ -132,10 +141,19 @@ class Page {
       .filter((curve) => curve.shown && curve.series[statistic])
       .map((curve) => {
         const index = curve.series.theta_o_deg.indexOf(angle);
-        return { curve, name: curve.label, number: curve.series[statistic][index], error: curve.series[`${statistic}_stderr`]?.[index] };
+        return {
+          curve,
+          name: curve.label,
+          number: curve.series[statistic][index],
+          error: curve.series[`${statistic}_stderr`]?.[index],
+        };
       })
       .sort((a, b) => b.number - a.number);
-    showHover(event, `${TITLES[statistic]} at ${degrees(angle)}`, lines.map((line) => ({ ...line, value: withError(line.number, line.error) })));
+    showHover(
+      event,
+      `${TITLES[statistic]} at ${degrees(angle)}`,
+      lines.map((line) => ({ ...line, value: withError(line.number, line.error) })),
+    );
   }
 
   #recolour() {

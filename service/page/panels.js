@@ -85,7 +85,9 @@ function described(statistic, curves, angles) {
 function missing(statistic, curves) {
   if (!LOG[statistic]) return "";
   const none = curves.filter((curve) => curve.series[statistic] && !sampledRows(curve, statistic).length);
-  return none.length ? `Zero at every angle, which a logarithmic axis cannot show: ${none.map((one) => one.label).join(", ")}.` : "";
+  return none.length
+    ? `Zero at every angle, which a logarithmic axis cannot show: ${none.map((one) => one.label).join(", ")}.`
+    : "";
 }
 
 function spec(statistic) {

@@ -12,10 +12,13 @@ export function loadLibrary() {
 }
 
 /** Fixed decimals where they are short, powers of ten elsewhere. */
-export const POWER_LABEL = "datum.value >= 1e5 || datum.value < 1e-3 ? format(datum.value, '~e') : format(datum.value, '~g')";
+const POWER_LABEL = "datum.value >= 1e5 || datum.value < 1e-3 ? format(datum.value, '~e') : format(datum.value, '~g')";
 
 /** Signals that hold the range and the ticks of both axes. */
-export const RANGE_SIGNALS = ["xLow", "xHigh", "yLow", "yHigh"].map((name, index) => ({ name, value: 1 + (index % 2) }));
+export const RANGE_SIGNALS = ["xLow", "xHigh", "yLow", "yHigh"].map((name, index) => ({
+  name,
+  value: 1 + (index % 2),
+}));
 
 /** An encoding on an axis whose range and ticks are the signals of `side`, x or y. */
 export function axis(side, field, type, title, more = {}) {
@@ -23,13 +26,27 @@ export function axis(side, field, type, title, more = {}) {
     field,
     type: "quantitative",
     title,
-    scale: { type, nice: false, domain: [{ expr: `${side}Low` }, { expr: `${side}High` }], ...(type === "log" ? {} : { zero: false }) },
-    axis: { values: { expr: `${side}Ticks` }, grid: true, ...(type === "log" ? { labelExpr: POWER_LABEL } : {}), ...more },
+    scale: {
+      type,
+      nice: false,
+      domain: [{ expr: `${side}Low` }, { expr: `${side}High` }],
+      ...(type === "log" ? {} : { zero: false }),
+    },
+    axis: {
+      values: { expr: `${side}Ticks` },
+      grid: true,
+      ...(type === "log" ? { labelExpr: POWER_LABEL } : {}),
+      ...more,
+    },
   };
 }
 
 /** The value of signals for a range {low, high, ticks}. */
-export const rangeOf = (side, { low, high, ticks }) => ({ [`${side}Low`]: low, [`${side}High`]: high, [`${side}Ticks`]: ticks });
+export const rangeOf = (side, { low, high, ticks }) => ({
+  [`${side}Low`]: low,
+  [`${side}High`]: high,
+  [`${side}Ticks`]: ticks,
+});
 
 /** A view of a spec, made when it is first drawn and again when the colours change. */
 export class Plot {
@@ -83,11 +100,20 @@ export class Plot {
   async #make() {
     const { vegaEmbed } = await loadLibrary();
     // `ast`: expressions are interpreted, so that no eval is needed. Vega's own tooltip and styles are markup; ours are not.
-    const options = { ast: true, actions: false, renderer: "svg", defaultStyle: false, tooltip: false, mode: "vega-lite" };
+    const options = {
+      ast: true,
+      actions: false,
+      renderer: "svg",
+      defaultStyle: false,
+      tooltip: false,
+      mode: "vega-lite",
+    };
     const { view } = await vegaEmbed(this.#container, { ...this.#spec(), config: config() }, options);
     this.#view = view;
     if (this.#onHover) {
-      view.addEventListener("pointermove", (event, item) => this.#onHover(event, item?.mark.marktype === "symbol" ? item.datum : null));
+      view.addEventListener("pointermove", (event, item) =>
+        this.#onHover(event, item?.mark.marktype === "symbol" ? item.datum : null),
+      );
       view.addEventListener("pointerout", (event) => this.#onHover(event, null));
     }
     return view;

@@ -40,7 +40,10 @@ export class Polar {
     };
     await this.#plot.draw(data, { reach: outermost });
     const names = curves.map((one) => one.label).join(", ");
-    this.#container.setAttribute("aria-label", `Polar picture at view angle ${angle.toFixed(2)} degrees: the BRDF times cosine, and the densities of ${names || "no technique"}.`);
+    this.#container.setAttribute(
+      "aria-label",
+      `Polar picture at view angle ${angle.toFixed(2)} degrees: the BRDF times cosine, and the densities of ${names || "no technique"}.`,
+    );
   }
 
   /** Draw anew, in other colours, at the next `draw`. */
@@ -56,8 +59,12 @@ function points({ label, colour, dash, opacity, theta_i_deg }, values) {
 function gridOf(reach) {
   const step = ringStep(reach);
   const radii = Array.from({ length: Math.floor(reach / step) }, (_, index) => (index + 1) * step);
-  const rings = radii.flatMap((radius) => Array.from({ length: 61 }, (_, index) => ({ part: `ring ${radius}`, order: index, ...at(3 * index - 90, radius) })));
-  const rays = RAYS_DEG.flatMap((theta) => [0, reach].map((radius, order) => ({ part: `ray ${theta}`, order, ...at(theta, radius) })));
+  const rings = radii.flatMap((radius) =>
+    Array.from({ length: 61 }, (_, index) => ({ part: `ring ${radius}`, order: index, ...at(3 * index - 90, radius) })),
+  );
+  const rays = RAYS_DEG.flatMap((theta) =>
+    [0, reach].map((radius, order) => ({ part: `ray ${theta}`, order, ...at(theta, radius) })),
+  );
   const labels = radii.map((radius) => ({ ...at(-90, radius), text: String(Number(radius.toPrecision(6))) }));
   return { grid: [...rings, ...rays], labels };
 }
@@ -69,10 +76,24 @@ function ringStep(reach) {
 
 function spec() {
   const { faint, text, line, reference } = ink();
-  const x = { field: "x", type: "quantitative", axis: null, scale: { domain: [{ expr: "-reach" }, { expr: "reach" }], nice: false, zero: false } };
-  const y = { field: "y", type: "quantitative", axis: null, scale: { domain: [{ expr: "-0.1 * reach" }, { expr: "1.02 * reach" }], nice: false, zero: false } };
+  const x = {
+    field: "x",
+    type: "quantitative",
+    axis: null,
+    scale: { domain: [{ expr: "-reach" }, { expr: "reach" }], nice: false, zero: false },
+  };
+  const y = {
+    field: "y",
+    type: "quantitative",
+    axis: null,
+    scale: { domain: [{ expr: "-0.1 * reach" }, { expr: "1.02 * reach" }], nice: false, zero: false },
+  };
   const order = { field: "order", type: "quantitative" };
-  const path = (name, mark, more) => ({ data: { name }, mark: { type: "line", ...mark }, encoding: { x, y, order, ...more } });
+  const path = (name, mark, more) => ({
+    data: { name },
+    mark: { type: "line", ...mark },
+    encoding: { x, y, order, ...more },
+  });
   const detail = { field: "label", type: "nominal" };
   const colour = { field: "colour", type: "nominal", scale: null };
   const strokeDash = { field: "dash", type: "nominal", scale: null };
@@ -87,7 +108,11 @@ function spec() {
     datasets: { lobes: [], densities: [], grid: [], labels: [], view: [], tip: [] },
     layer: [
       path("grid", { color: faint, strokeWidth: 1 }, { detail: { field: "part", type: "nominal" } }),
-      path("lobes", { filled: true, color: reference, fillOpacity: 0.16, stroke: reference, strokeWidth: 1 }, { detail }),
+      path(
+        "lobes",
+        { filled: true, color: reference, fillOpacity: 0.16, stroke: reference, strokeWidth: 1 },
+        { detail },
+      ),
       path("view", { color: line, strokeWidth: 1.4 }, {}),
       {
         data: { name: "tip" },

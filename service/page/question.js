@@ -11,18 +11,18 @@ export class Question {
   #job = null;
 
   /**
-   * The result of a question. `hear` is told `progress(done, total, name)`, `partial(series)` and `away(message)`.
-   * Throws Problem, Cancelled, or an AbortError where a newer question took its place.
+   * The result of a question. `progress` (see progress.js) shows how far it is, `onPartial(series)` hears of a series in
+   * the middle of its samples. Throws Problem, Cancelled, or an AbortError where a newer question took its place.
    */
-  async ask(path, hear) {
+  async ask(path, progress, onPartial = () => {}) {
     this.drop();
     const { signal } = (this.#controller = new AbortController());
     for (;;) {
       try {
-        return await this.#once(path, hear, signal);
+        return await this.#once(path, progress, onPartial, signal);
       } catch (error) {
         if (!(error instanceof Away)) throw error;
-        hear.away(error.message);
+        progress.away(error.message);
         await untilBack(error.afterS, signal);
       }
     }
@@ -35,26 +35,26 @@ export class Question {
     this.#job = null;
   }
 
-  async #once(path, hear, signal) {
+  async #once(path, progress, onPartial, signal) {
     const reply = await request(path, { signal, headers: { prefer: "respond-async" } });
     const answer = await reply.json();
     if (reply.status === 200) return answer;
     this.#job = answer.links.self;
     try {
-      return await this.#outcome(answer, hear, signal);
+      return await this.#outcome(answer, progress, onPartial, signal);
     } finally {
       if (!signal.aborted) this.#job = null;
     }
   }
 
-  async #outcome(job, hear, signal) {
+  async #outcome(job, progress, onPartial, signal) {
     for await (const { name, data } of events(job.links.events, signal)) {
       switch (name) {
         case "progress":
-          hear.progress(data.done, data.total, data.technique);
+          progress.further(data.done, data.total, data.technique);
           break;
         case "partial":
-          hear.partial(data);
+          onPartial(data);
           break;
         case "done":
           return json(job.links.result, { signal });

@@ -28,7 +28,9 @@ export function linearScale(values) {
   const middle = (least + most) / 2;
   const step = niceStep((1.2 * span) / 5);
   const [first, last] = [Math.floor((middle - 0.6 * span) / step), Math.ceil((middle + 0.6 * span) / step)];
-  const ticks = Array.from({ length: last - first + 1 }, (_, index) => Number(((first + index) * step).toPrecision(12)));
+  const ticks = Array.from({ length: last - first + 1 }, (_, index) =>
+    Number(((first + index) * step).toPrecision(12)),
+  );
   return { low: ticks[0], high: ticks.at(-1), ticks };
 }
 
@@ -46,7 +48,10 @@ export function angleScale(angles) {
 
 function niceStep(rough) {
   const power = Math.floor(Math.log10(rough));
-  return decimal([1, 2, 5, 10].find((mark) => mark * 10 ** power >= rough * 0.999), power);
+  return decimal(
+    [1, 2, 5, 10].find((mark) => mark * 10 ** power >= rough * 0.999),
+    power,
+  );
 }
 
 const decimal = (mark, power) => Number(`${mark}e${power}`);

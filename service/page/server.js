@@ -42,7 +42,8 @@ export async function request(path, { headers = {}, ...options } = {}) {
   }
   if (reply.ok) return reply;
   const problem = await reply.json().catch(() => ({ status: reply.status, title: reply.statusText }));
-  if (BUSY.has(reply.status)) throw new Away(problem.detail || problem.title, Number(reply.headers.get("retry-after")) || 1);
+  if (BUSY.has(reply.status))
+    throw new Away(problem.detail || problem.title, Number(reply.headers.get("retry-after")) || 1);
   throw new Problem(problem);
 }
 
@@ -98,7 +99,7 @@ function soon(promise) {
 }
 
 /** Wait; ends early, with the signal's AbortError. */
-export function pause(seconds, signal) {
+function pause(seconds, signal) {
   return new Promise((resolve, reject) => {
     const stop = () => {
       clearTimeout(timer);

@@ -25,7 +25,9 @@ export class SpeedStudy {
     this.#catalogue = catalogue;
     const buttons = { onCancel: () => this.#cancel(), onAgain: () => this.#measure() };
     this.#progress = new Progress(byId("speed-status"), buttons);
-    byId("measure").addEventListener("click", () => onLook({ speed: byId("measure").getAttribute("aria-pressed") !== "true" }));
+    byId("measure").addEventListener("click", () =>
+      onLook({ speed: byId("measure").getAttribute("aria-pressed") !== "true" }),
+    );
     byId("over").addEventListener("change", () => onLook({ over: byId("over").value }));
   }
 
@@ -62,22 +64,31 @@ export class SpeedStudy {
 
   /** Where the study of a state is: of the first value of each parameter, at the angles that a study has by itself. */
   #pathOf(state, over) {
-    const parameters = Object.fromEntries(Object.entries(state.parameters).map(([name, text]) => [name, text.split(",")[0]]));
-    const replaced = { angles: null, theta_o_deg: null, samples: SAMPLES, method: null, estimators: "mc", tolerance: null };
-    return questionPath("convergence", { ...state, parameters }, this.#catalogue, { ...replaced, efficiency_over: over });
+    const parameters = Object.fromEntries(
+      Object.entries(state.parameters).map(([name, text]) => [name, text.split(",")[0]]),
+    );
+    const replaced = {
+      angles: null,
+      theta_o_deg: null,
+      samples: SAMPLES,
+      method: null,
+      estimators: "mc",
+      tolerance: null,
+    };
+    return questionPath("convergence", { ...state, parameters }, this.#catalogue, {
+      ...replaced,
+      efficiency_over: over,
+    });
   }
 
   async #measure() {
     this.#progress.begin("asking");
-    const hear = {
-      progress: (done, total, name) => this.#progress.further(done, total, name),
-      partial: () => {},
-      away: (message) => this.#progress.away(message),
-    };
     try {
-      this.#result = await this.#question.ask(this.#path, hear);
+      this.#result = await this.#question.ask(this.#path, this.#progress);
       this.redraw();
-      this.#progress.end(`Measured in ${duration(this.#result.run.elapsed_ms)} on ${this.#result.run.threads} threads.`);
+      this.#progress.end(
+        `Measured in ${duration(this.#result.run.elapsed_ms)} on ${this.#result.run.threads} threads.`,
+      );
     } catch (error) {
       this.#failed(error);
     }

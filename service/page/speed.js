@@ -43,12 +43,22 @@ export class Speed {
     const rows = angles.map((_, index) => series.flatMap((one) => errorRows(one, index, styles.get(one.technique))));
     const [times, errors] = ["time", "error"].map((name) => rows.flat().map((row) => row[name]));
     const target = result.target_error;
-    const signals = { ...rangeOf("x", logScale(times, [])), ...rangeOf("y", logScale([...errors, target], [])), target };
+    const signals = {
+      ...rangeOf("x", logScale(times, [])),
+      ...rangeOf("y", logScale([...errors, target], [])),
+      target,
+    };
     await Promise.all(
       this.#plots.map(({ plot, holder, words }, index) => {
-        words.textContent = ranked(result.ranking.find((one) => one.theta_o_deg === angles[index]), hidden);
+        words.textContent = ranked(
+          result.ranking.find((one) => one.theta_o_deg === angles[index]),
+          hidden,
+        );
         const names = series.map((one) => one.technique).join(", ");
-        holder.setAttribute("aria-label", `Relative error against run time at ${degrees(angles[index])}, logarithmic axes, curves: ${names}.`);
+        holder.setAttribute(
+          "aria-label",
+          `Relative error against run time at ${degrees(angles[index])}, logarithmic axes, curves: ${names}.`,
+        );
         return plot.draw({ errors: rows[index] }, signals);
       }),
     );
@@ -58,7 +68,9 @@ export class Speed {
 function makePanel(angle) {
   const holder = element("div", { class: "plot panel", role: "img" });
   const words = element("p", { class: "note" });
-  byId("errors").append(element("figure", {}, element("figcaption", {}, `view angle ${degrees(angle)}`), holder, words));
+  byId("errors").append(
+    element("figure", {}, element("figcaption", {}, `view angle ${degrees(angle)}`), holder, words),
+  );
   const plot = new Plot(holder, errorSpec, (event, row) => {
     if (!row) return hideHover();
     const lines = [
@@ -73,7 +85,13 @@ function makePanel(angle) {
 
 function errorRows(one, index, style) {
   return one.samples
-    .map((samples, row) => ({ technique: one.technique, ...style, samples, time: one.time_ms[row], error: one.relative_rmse[row][index] }))
+    .map((samples, row) => ({
+      technique: one.technique,
+      ...style,
+      samples,
+      time: one.time_ms[row],
+      error: one.relative_rmse[row][index],
+    }))
     .filter((row) => row.error > 0 && row.time > 0);
 }
 
@@ -89,15 +107,24 @@ function ranked(ranking, hidden) {
 }
 
 function showWinners({ parameters, techniques, theta_o_deg, efficiency }, styles, hidden) {
-  const names = Object.keys(parameters[0]).filter((name) => parameters.some((row) => row[name] !== parameters[0][name]));
+  const names = Object.keys(parameters[0]).filter((name) =>
+    parameters.some((row) => row[name] !== parameters[0][name]),
+  );
   const head = element("tr", {}, ...names.map((name) => element("th", { scope: "col" }, name)));
   for (const angle of theta_o_deg) head.append(element("th", { scope: "col" }, degrees(angle)));
   const rows = parameters.map((values, row) => {
     const heads = names.map((name) => element("th", { scope: "row" }, short(values[name])));
     const cells = theta_o_deg.map((angle, column) => {
-      const found = techniques.map((name, index) => ({ name, value: efficiency[row][index][column] ?? 0, style: styles.get(name) }));
+      const found = techniques.map((name, index) => ({
+        name,
+        value: efficiency[row][index][column] ?? 0,
+        style: styles.get(name),
+      }));
       const title = [...names.map((name) => `${name} ${short(values[name])}`), degrees(angle)].join(", ");
-      return winnerCell(title, found.filter((one) => !hidden.has(one.name)).sort((a, b) => b.value - a.value));
+      return winnerCell(
+        title,
+        found.filter((one) => !hidden.has(one.name)).sort((a, b) => b.value - a.value),
+      );
     });
     return element("tr", {}, ...heads, ...cells);
   });
@@ -111,8 +138,15 @@ function winnerCell(title, ordered) {
   const ahead = lead > MOST_LEAD ? "alone" : `${short(lead, 2)}×`;
   const cell = element("td", {}, swatch(first.style), element("b", {}, first.name), element("span", {}, ahead));
   const strength = Math.min(1, 0.25 + Math.log10(Math.min(lead, 10)));
-  cell.style.setProperty("background-color", `color-mix(in srgb, ${first.style.colour} ${Math.round(28 * strength)}%, transparent)`);
-  const lines = ordered.map(({ name, value, style }) => ({ curve: style, name, value: value ? `${short(value, 3)} /s` : "no finite variance" }));
+  cell.style.setProperty(
+    "background-color",
+    `color-mix(in srgb, ${first.style.colour} ${Math.round(28 * strength)}%, transparent)`,
+  );
+  const lines = ordered.map(({ name, value, style }) => ({
+    curve: style,
+    name,
+    value: value ? `${short(value, 3)} /s` : "no finite variance",
+  }));
   cell.addEventListener("pointermove", (event) => showHover(event, title, lines));
   cell.addEventListener("pointerleave", hideHover);
   return cell;
@@ -129,7 +163,12 @@ function errorSpec() {
     width: "container",
     height: 220,
     autosize: { type: "fit", contains: "padding" },
-    params: [...RANGE_SIGNALS, { name: "xTicks", value: [] }, { name: "yTicks", value: [] }, { name: "target", value: 1 }],
+    params: [
+      ...RANGE_SIGNALS,
+      { name: "xTicks", value: [] },
+      { name: "yTicks", value: [] },
+      { name: "target", value: 1 },
+    ],
     datasets: { errors: [] },
     layer: [
       {
@@ -137,8 +176,16 @@ function errorSpec() {
         mark: { type: "rule", color: ink().line, strokeDash: [4, 3], strokeWidth: 1 },
         encoding: { y: { datum: { expr: "target" }, type: "quantitative" } },
       },
-      { data: { name: "errors" }, mark: { type: "line", strokeWidth: 1.7, clip: true }, encoding: { x, y, color, strokeDash, detail } },
-      { data: { name: "errors" }, mark: { type: "point", filled: true, size: 26, clip: true }, encoding: { x, y, color } },
+      {
+        data: { name: "errors" },
+        mark: { type: "line", strokeWidth: 1.7, clip: true },
+        encoding: { x, y, color, strokeDash, detail },
+      },
+      {
+        data: { name: "errors" },
+        mark: { type: "point", filled: true, size: 26, clip: true },
+        encoding: { x, y, color },
+      },
     ],
   };
 }

@@ -49,10 +49,11 @@ export class Statistics {
     if (this.#drafting) return;
     this.#drafting = true;
     try {
-      for (let state = null; state !== this.#state; ) {
+      for (let state = null; state !== this.#state;) {
         state = this.#state;
         const answer = state.method === "quadrature" ? null : await draft(this.#draftPath(state));
-        if (answer && state === this.#state && !this.run) this.#take(answer.series.map((one) => ({ ...one, verdict: null })));
+        if (answer && state === this.#state && !this.run)
+          this.#take(answer.series.map((one) => ({ ...one, verdict: null })));
       }
     } catch (error) {
       // The whole answer meets the same problem and says so.
@@ -72,13 +73,9 @@ export class Statistics {
   async #whole() {
     const state = this.#state;
     this.#progress.begin("asking");
-    const hear = {
-      progress: (done, total, name) => this.#progress.further(done, total, name),
-      partial: (series) => this.#partial(series),
-      away: (message) => this.#progress.away(message),
-    };
     try {
-      const result = await this.#question.ask(questionPath("statistics", state, this.#catalogue), hear);
+      const path = questionPath("statistics", state, this.#catalogue);
+      const result = await this.#question.ask(path, this.#progress, (series) => this.#partial(series));
       this.run = result.run;
       this.#take(result.series);
       this.#progress.end(summary(result.series, this.#progress.elapsed));
@@ -92,7 +89,9 @@ export class Statistics {
     if (error instanceof Cancelled) {
       this.#progress.end("Cancelled. The curves are those of the samples drawn so far.", true);
     } else if (error instanceof Problem) {
-      this.#progress.end(error.fields.length ? "The scene cannot be computed as it is: see its fields." : error.message);
+      this.#progress.end(
+        error.fields.length ? "The scene cannot be computed as it is: see its fields." : error.message,
+      );
       this.#onProblem(error);
     } else {
       this.#progress.end(error.message, true);

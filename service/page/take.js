@@ -4,18 +4,19 @@ import { addressOf, commandLine, questionPath } from "./address.js";
 import { announce, byId, element } from "./elements.js";
 import { blob, hasKey } from "./server.js";
 
-
-
 /** The menus. `current()` is the state that the page shows. */
 export function offer(catalogue, current) {
   const texts = {
     link: async (state) => location.origin + addressOf(state, catalogue),
     curl: async (state) => curl(questionPath("statistics", state, catalogue)),
     cli: async (state) => commandLine(state, catalogue),
-    vega: async (state) => (await blob(questionPath("statistics", state, catalogue, { format: "vega" }), anyType)).text(),
+    vega: async (state) =>
+      (await blob(questionPath("statistics", state, catalogue, { format: "vega" }), anyType)).text(),
   };
   for (const button of document.querySelectorAll("[data-copy]")) {
-    button.addEventListener("click", () => act(button, async () => copied(button, await texts[button.dataset.copy](current()))));
+    button.addEventListener("click", () =>
+      act(button, async () => copied(button, await texts[button.dataset.copy](current()))),
+    );
   }
   for (const button of document.querySelectorAll("[data-download]")) {
     const format = button.dataset.download;

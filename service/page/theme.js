@@ -39,7 +39,10 @@ export function techniqueStyles(techniques) {
   const style = (name) => {
     if (name in LIGHT) return LIGHT[name];
     const index = unknown.indexOf(name);
-    return [LIGHT_OTHERS[index % LIGHT_OTHERS.length], [SOLID, DASHED, DOTTED][Math.floor(index / LIGHT_OTHERS.length) % 3]];
+    return [
+      LIGHT_OTHERS[index % LIGHT_OTHERS.length],
+      [SOLID, DASHED, DOTTED][Math.floor(index / LIGHT_OTHERS.length) % 3],
+    ];
   };
   return new Map(
     techniques.map((name) => {

@@ -19,7 +19,13 @@ export function showCurves(curves, onToggle) {
 function row(curve, onToggle, open) {
   const button = element(
     "button",
-    { type: "button", class: "toggle", "aria-pressed": String(curve.shown), "data-curve": curve.key, title: "show or hide" },
+    {
+      type: "button",
+      class: "toggle",
+      "aria-pressed": String(curve.shown),
+      "data-curve": curve.key,
+      title: "show or hide",
+    },
     swatch(curve),
     element("span", {}, curve.label),
   );
@@ -31,7 +37,9 @@ function verdict({ series, key }, open) {
   if (!series.verdict) return [element("span", { class: "badge waiting" }, "… measuring")];
   const { status, findings } = series.verdict;
   if (status === "ok") {
-    const checked = series.reference ? "agrees with the float64 reference at every angle" : "nothing found; there is no reference to compare with";
+    const checked = series.reference
+      ? "agrees with the float64 reference at every angle"
+      : "nothing found; there is no reference to compare with";
     return [element("span", { class: "badge good" }, "✓ ok"), element("p", {}, checked)];
   }
   const kind = findings.every((one) => OF_THE_RUN.has(one.name)) ? "fair" : "bad";
@@ -40,7 +48,10 @@ function verdict({ series, key }, open) {
 }
 
 function finding({ name, message, evidence }, id, open, named) {
-  const facts = Object.entries(evidence).map(([key, value]) => [element("dt", {}, key), element("dd", {}, fact(key, value))]);
+  const facts = Object.entries(evidence).map(([key, value]) => [
+    element("dt", {}, key),
+    element("dd", {}, fact(key, value)),
+  ]);
   const words = named ? `${name}: ${message}` : message;
   const summary = element("summary", { title: "show the evidence" }, words);
   return element("details", { "data-of": id, open: open.has(id) }, summary, element("dl", {}, ...facts.flat()));

@@ -50,6 +50,9 @@ def test_the_service_answers_hardened_with_the_numbers_of_the_host(start):
     assert headers["Content-Type"] == "image/png"
     assert png.startswith(b"\x89PNG")
     print(f"memory under load: {service.memory()}")
+    _, library = service.settled("/page/vega-embed.js")
+    assert b"vegaEmbed" in library
+    assert b"/page/main.js" in service.settled("/")[1]
     inside = ["exec", service.name, "/opt/samplerscope/bin/python"]
     assert engine(*inside, "-c", "import os; print(os.getuid())").strip() == "10001"
     engine(*inside, "-m", "service.container", "healthy")
