@@ -19,7 +19,7 @@ export class Panels {
       const note = element("p", { class: "note" });
       container.append(element("figure", {}, holder, note));
       const plot = new Plot(holder, () => spec(statistic));
-      const angleOf = (event) => nearest(this.#angles, plot.under(event));
+      const angleOf = (event) => nearest(this.#angles, plot.under(event)?.x ?? null);
       holder.addEventListener("pointermove", (event) => {
         const angle = angleOf(event);
         this.#mark({ hovered: angle ?? -1 });

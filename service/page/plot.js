@@ -3,6 +3,9 @@
 import { element } from "./elements.js";
 import { config } from "./theme.js";
 
+// So many pixels beside the axes still count as on them: their ends can be reached.
+const BESIDE = 8;
+
 let library = null;
 
 /** Begin to load the plotting library, which is larger than all else. */
@@ -82,13 +85,16 @@ export class Plot {
     this.#view.runAsync();
   }
 
-  /** The value on the x axis under a pointer; null outside the axes. */
+  /** The values {x, y} on the axes under a pointer; null beside the axes. */
   under(event) {
     const view = this.#view;
     const svg = this.#container.querySelector("svg");
     if (!view || !svg) return null;
-    const x = event.clientX - svg.getBoundingClientRect().left - view.padding().left - view.origin()[0];
-    return x < -8 || x > view.width() + 8 ? null : view.scale("x").invert(x);
+    const { left, top } = svg.getBoundingClientRect();
+    const x = event.clientX - left - view.padding().left - view.origin()[0];
+    const y = event.clientY - top - view.padding().top - view.origin()[1];
+    if (x < -BESIDE || x > view.width() + BESIDE) return null;
+    return { x: view.scale("x").invert(x), y: view.scale("y").invert(y) };
   }
 
   /** Forget the view: it is made anew, in the colours of the day, when it is next drawn. */

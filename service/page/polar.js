@@ -1,37 +1,42 @@
 // The polar picture: the BRDF and the densities of the techniques in the plane of the view, at one view angle.
 
+import { hideHover, showHover } from "./hover.js";
+import { degrees, short } from "./numbers.js";
+import { nearest } from "./panels.js";
 import { Plot } from "./plot.js";
 import { ink } from "./theme.js";
 
 const RINGS = 3;
 const RAYS_DEG = [-90, -60, -30, 0, 30, 60, 90];
-const radians = (degrees) => (degrees * Math.PI) / 180;
-const at = (degrees, radius) => ({ x: radius * Math.sin(radians(degrees)), y: radius * Math.cos(radians(degrees)) });
+const radians = (theta) => (theta * Math.PI) / 180;
+const at = (theta, radius) => ({ x: radius * Math.sin(radians(theta)), y: radius * Math.cos(radians(theta)) });
 
 /** The polar picture in an element. */
 export class Polar {
+  #container;
   #plot;
+  #curves = [];
 
   constructor(container) {
     container.setAttribute("role", "img");
+    container.addEventListener("pointermove", (event) => this.#hover(event));
+    container.addEventListener("pointerleave", hideHover);
     this.#container = container;
     this.#plot = new Plot(container, spec);
   }
-
-  #container;
 
   /**
    * Draw a view angle. `curves` are {label, colour, dash, opacity, theta_i_deg, value, pdf}: f cos and the density over
    * the light's angle, in 1/sr. Equal lobes are drawn once.
    */
   async draw(angle, curves) {
+    this.#curves = curves;
     const finite = curves.flatMap((one) => [...one.value, ...one.pdf]).filter((value) => value !== null);
     const outermost = 1.08 * Math.max(...finite, 1e-6);
-    const lobes = [...new Map(curves.map((one) => [JSON.stringify(one.value), one])).values()];
     const { grid, labels } = gridOf(outermost);
     const view = at(angle, outermost);
     const data = {
-      lobes: lobes.flatMap((one) => points(one, one.value)),
+      lobes: lobesOf(curves).flatMap((one) => points(one, one.value)),
       densities: curves.flatMap((one) => points(one, one.pdf)),
       grid,
       labels,
@@ -46,11 +51,26 @@ export class Polar {
     );
   }
 
+  /** Values at the light's angle under the pointer. */
+  #hover(event) {
+    const under = this.#plot.under(event);
+    const [first] = this.#curves;
+    if (!under || !first) return;
+    const theta = nearest(first.theta_i_deg, (Math.atan2(under.x, Math.max(under.y, 0)) * 180) / Math.PI);
+    const index = first.theta_i_deg.indexOf(theta);
+    const lobes = lobesOf(this.#curves).map((one) => ({ name: "BRDF × cosine", value: short(one.value[index]) }));
+    const densities = this.#curves.map((one) => ({ curve: one, name: one.label, value: short(one.pdf[index]) }));
+    showHover(event, `light angle ${degrees(theta)}, in 1/sr`, [...lobes, ...densities]);
+  }
+
   /** Draw anew, in other colours, at the next `draw`. */
   reset() {
     this.#plot.reset();
   }
 }
+
+/** Curves with different lobes: those of one model at one set of its parameters share theirs. */
+const lobesOf = (curves) => [...new Map(curves.map((one) => [JSON.stringify(one.value), one])).values()];
 
 function points({ label, colour, dash, opacity, theta_i_deg }, values) {
   return theta_i_deg.map((theta, order) => ({ label, colour, dash, opacity, order, ...at(theta, values[order] ?? 0) }));

@@ -1,10 +1,10 @@
-// Colours and dashes of the curves. On a light page they are those of the figures (service/figures/style.py).
+// Colours and dashes of the curves: those of the figures (service/figures/style.py), with enough contrast on a page.
 
 const SOLID = [1, 0];
 const DOTTED = [2, 2.5];
 const DASHED = [7, 3];
 
-const LIGHT = {
+const STYLES = {
   cosine: ["#D55E00", SOLID],
   uniform: ["#000000", DOTTED],
   "ltc-nonnegative": ["#0072B2", DOTTED],
@@ -12,20 +12,20 @@ const LIGHT = {
   cltc: ["#009E73", DASHED],
   "cltc-mis": ["#009E73", SOLID],
 };
-const LIGHT_OTHERS = ["#CC79A7", "#E69F00", "#56B4E9", "#6A3D9A", "#8C6D31", "#7F7F7F"];
+const OTHERS = ["#CC79A7", "#E69F00", "#56B4E9", "#6A3D9A", "#8C6D31", "#7F7F7F"];
 
-// The same hues, light enough for a dark page.
-const ON_DARK = {
-  "#D55E00": "#FF8F4A",
-  "#000000": "#F2F2F2",
-  "#0072B2": "#5BB8F0",
-  "#009E73": "#3BCB9B",
-  "#CC79A7": "#E59CC4",
-  "#E69F00": "#F5BE4B",
-  "#56B4E9": "#8AD0F7",
-  "#6A3D9A": "#B694E0",
-  "#8C6D31": "#C9A968",
-  "#7F7F7F": "#A8A8A8",
+// Each colour of the figures as it is on a light and on a dark page: at least 3:1 against it.
+const ON_PAGE = {
+  "#D55E00": ["#D55E00", "#FF8F4A"],
+  "#000000": ["#000000", "#F2F2F2"],
+  "#0072B2": ["#0072B2", "#5BB8F0"],
+  "#009E73": ["#009E73", "#3BCB9B"],
+  "#CC79A7": ["#C0649A", "#E59CC4"],
+  "#E69F00": ["#B37A00", "#F5BE4B"],
+  "#56B4E9": ["#2E8BC0", "#8AD0F7"],
+  "#6A3D9A": ["#6A3D9A", "#B694E0"],
+  "#8C6D31": ["#8C6D31", "#C9A968"],
+  "#7F7F7F": ["#7F7F7F", "#A8A8A8"],
 };
 
 const dark = matchMedia("(prefers-color-scheme: dark)");
@@ -35,19 +35,16 @@ export const onThemeChange = (listener) => dark.addEventListener("change", liste
 
 /** {colour, dash} of each technique; one without a style of its own gets the next free colour. */
 export function techniqueStyles(techniques) {
-  const unknown = techniques.filter((name) => !(name in LIGHT));
+  const unknown = techniques.filter((name) => !(name in STYLES));
   const style = (name) => {
-    if (name in LIGHT) return LIGHT[name];
+    if (name in STYLES) return STYLES[name];
     const index = unknown.indexOf(name);
-    return [
-      LIGHT_OTHERS[index % LIGHT_OTHERS.length],
-      [SOLID, DASHED, DOTTED][Math.floor(index / LIGHT_OTHERS.length) % 3],
-    ];
+    return [OTHERS[index % OTHERS.length], [SOLID, DASHED, DOTTED][Math.floor(index / OTHERS.length) % 3]];
   };
   return new Map(
     techniques.map((name) => {
       const [colour, dash] = style(name);
-      return [name, { colour: dark.matches ? ON_DARK[colour] : colour, dash }];
+      return [name, { colour: ON_PAGE[colour][dark.matches ? 1 : 0], dash }];
     }),
   );
 }

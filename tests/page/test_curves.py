@@ -63,6 +63,20 @@ def test_a_click_shows_values_and_polar_picture_at_that_angle(tab, result):
     expect(infinite).to_contain_text("exact ∞")
 
 
+def test_hover_over_the_polar_picture_shows_the_densities_in_that_direction(tab, server):
+    tab.get_by_label("View angle θo").press("Home")
+    expect(tab.locator("#polar")).to_have_attribute("aria-label", re.compile("at view angle 0.00 degrees"))
+    box = tab.locator("#polar svg").bounding_box()
+    tab.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    hover = tab.locator("#hover")
+    angle = float(re.search(r"light angle (-?[\d.]+)°", hover.inner_text()).group(1))
+    assert abs(angle) <= 1
+    cosine = hover.locator("div", has=tab.get_by_text("cosine", exact=True)).locator("b")
+    assert float(cosine.inner_text()) == pytest.approx(math.cos(math.radians(angle)) / math.pi, rel=1e-3)
+    tab.mouse.move(5, 5)
+    expect(hover).to_be_hidden()
+
+
 def test_the_angle_moves_by_keyboard_alone(tab, result):
     slider = tab.get_by_label("View angle θo")
     slider.focus()

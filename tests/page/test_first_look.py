@@ -1,5 +1,6 @@
 """The page as it comes: soon, from this server alone, under a strict policy."""
 
+import re
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -7,6 +8,7 @@ from conftest import OUT
 from playwright.sync_api import expect
 
 import service
+from service.figures.style import technique_styles
 
 FILES = Path(service.__file__).parent / "page"
 
@@ -73,13 +75,28 @@ def test_every_module_is_loaded_ahead_and_nothing_comes_from_elsewhere():
     assert all(address.startswith(("/", "#")) and not address.startswith("//") for address in addresses)
 
 
-def test_colours_of_the_techniques_are_those_of_the_figures():
-    from service.figures.style import technique_styles
-
+def test_colours_are_those_of_the_figures_with_enough_contrast_in_light_and_dark():
+    """WCAG 2.2, 1.4.11: what is needed to understand a graphic has a contrast of 3:1."""
     theme = (FILES / "theme.js").read_text()
     for name in ("cosine", "uniform", "ltc-nonnegative", "ltc", "cltc", "cltc-mis"):
         ((colour, _),) = technique_styles([name])
         key = f'"{name}"' if "-" in name else name
         assert f'{key}: ["{colour}"' in theme
-    for colour, _ in technique_styles([f"unknown-{k}" for k in range(6)]):
-        assert colour in theme.split("LIGHT_OTHERS =")[1].split(";")[0]
+    others = [colour for colour, _ in technique_styles([f"unknown-{k}" for k in range(6)])]
+    assert re.findall(r"#\w{6}", theme.split("OTHERS =")[1].split(";")[0]) == others
+    sheet = re.search(r"--sheet: light-dark\((#\w{6}), (#\w{6})\)", (FILES / "page.css").read_text()).groups()
+    pairs = re.findall(r'"#\w{6}": \["(#\w{6})", "(#\w{6})"\]', theme)
+    assert len(pairs) == 10
+    assert all(contrast(on, ground) >= 3 for pair in pairs for on, ground in zip(pair, sheet, strict=True))
+
+
+def contrast(one: str, other: str) -> float:
+    """Contrast ratio of two colours (WCAG 2.2, relative luminance of sRGB)."""
+
+    def luminance(colour: str) -> float:
+        channels = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
+        linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
+        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+    low, high = sorted((luminance(one), luminance(other)))
+    return (high + 0.05) / (low + 0.05)
