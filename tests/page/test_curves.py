@@ -103,15 +103,3 @@ def test_the_button_of_a_curve_hides_it_everywhere(visit):
     expect(tab.locator("#values tbody tr")).to_have_count(2)
     assert len(one.lines()) < before
     tab.wait_for_url("**view.hide=ltc*")
-
-
-def test_the_slices_behind_the_polar_picture_are_those_of_the_formulas(server):
-    """Lambert and cosine have closed forms: f cos and the density are albedo cos/pi and cos/pi, zero at the horizon."""
-    result = server.client.get("/v1/slices?model=lambert&albedo=0.5&techniques=cosine,uniform&theta_o_deg=0,70").json()
-    assert len(result["series"]) == 4
-    for one in result["series"]:
-        for theta, value, density in zip(one["theta_i_deg"], one["value"], one["pdf"], strict=True):
-            cosine = math.cos(math.radians(theta)) / math.pi
-            assert value == pytest.approx(0.5 * cosine, abs=1e-7)
-            exact = cosine if one["technique"] == "cosine" else 0.5 / math.pi
-            assert density == pytest.approx(exact, abs=1e-6)

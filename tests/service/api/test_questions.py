@@ -110,6 +110,13 @@ def test_figures_are_scenes_of_papers(server):
     assert plain.content != picture.content  # the figure's own chart, not that of statistics in general
 
 
+def test_slices_are_answered_directly_although_they_cannot_give_way(server):
+    answer = server.client.get("/v1/slices?model=eon&techniques=cosine,cltc&theta_o_deg=45")
+    assert answer.status_code == 200
+    assert [one["technique"] for one in answer.json()["series"]] == ["cosine", "cltc"]
+    assert answer.json()["scene"]["reference"] is False
+
+
 def test_the_catalogue_is_that_of_info(server):
     from service.catalogue import load_catalogue
     from service.information import describe_catalogue

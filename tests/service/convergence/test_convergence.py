@@ -119,6 +119,14 @@ def test_a_lone_technique_with_infinite_variance_wins_nothing(study):
     assert table["lead"][1] == [None] * len(table["theta_o_deg"])
 
 
+def test_the_table_sweeps_what_is_asked_for_alone(study):
+    scene = {"techniques": "cltc-mis", "estimators": ["quadrature"], "theta_o_deg": [45]}
+    rows = study(**scene, efficiency_over=["albedo"])["efficiency"]["parameters"]
+    assert rows == [{"roughness": 1.0, "albedo": albedo} for albedo in (0, 0.25, 0.5, 0.75, 1)]
+    with pytest.raises(BadInput, match="efficiency_over = gloss: allowed is parameters out of roughness, albedo"):
+        study(**scene, efficiency_over=["gloss"])
+
+
 def test_the_result_is_plain_json(result):
     assert json.loads(json.dumps(result, allow_nan=False)) == result
 
