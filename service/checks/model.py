@@ -87,7 +87,7 @@ def check_energy(probe: Probe, effort: Effort, rng: np.random.Generator) -> Outc
     )
     parameters = np.repeat(values, len(_VIEWS), axis=0)
     theta = np.tile(_VIEWS, len(values))
-    albedo, declared, error = albedos(probe, theta, parameters, effort.quadrature // 2)
+    albedo, declared, error = albedos(probe, theta, parameters, effort.energy_quadrature // 2)
     has_own = "directional_albedo" in probe.model.declared
     off = np.where(has_own & (albedo > 1e-6), np.abs(declared - albedo) - 2 * error, 0.0) / np.maximum(albedo, 1e-6)
     for _ in range(effort.energy_rounds):
@@ -100,7 +100,7 @@ def check_energy(probe: Probe, effort: Effort, rng: np.random.Generator) -> Outc
     best = np.argsort(-albedo)[:6]
     theta, parameters = theta[best], parameters[best]
     # A search for the largest value finds the largest error as well, so another rule has the last word.
-    albedo, _, error = albedos(probe, theta, parameters, effort.quadrature, 1e-7, order=6)
+    albedo, _, error = albedos(probe, theta, parameters, effort.energy_quadrature, 1e-7, order=6)
     top = int(np.argmax(albedo - error))
     evidence = {
         "largest_albedo": float(albedo[top]),
@@ -151,7 +151,7 @@ def _nearby(
             pick < 0.4, values[:, i], np.where(pick < 0.6, near, np.where(pick < 0.8, scaled, fresh))
         )
     rows = values.astype(np.float32)
-    found, _, _ = albedos(probe, angle, rows, effort.quadrature // 4)
+    found, _, _ = albedos(probe, angle, rows, effort.energy_quadrature // 4)
     theta, parameters = np.concatenate([theta[best], angle]), np.concatenate([parameters[best], rows])
     return theta, parameters, np.concatenate([albedo[best], found])
 
