@@ -12,8 +12,8 @@ FALSE_ALARM = 1e-5
 class Effort:
     """Sizes of the battery's parts.
 
-    points: random inputs of the point checks. rows: parameter settings of the statistical checks; views: their angles in
-    degrees. samples: directions drawn in each cell. depth: the directions of a cell are counted in 2^depth bins.
+    points: random inputs of the point checks. rows: parameter settings of the statistical checks; views: their angles
+    in degrees. samples: directions drawn in each cell. depth: the directions of a cell are counted in 2^depth bins.
     quadrature: evaluations of the adaptive quadrature. tail_*: the search for large weights. energy_*: settings,
     refinements and quadrature of the search for the largest albedo.
     """

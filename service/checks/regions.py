@@ -136,7 +136,7 @@ def _rule(order: int) -> tuple[Array, Array, Array]:
 
 
 def _integrate_once(boxes: Boxes, integrands: Integrands, order: int) -> tuple[Array, Array]:
-    """Integrals over each box by one tensor Gauss-Legendre rule, (k, n), and the first integrand's largest value, (n,)."""
+    """Integrals over each box by a tensor Gauss-Legendre rule, (k, n), and the first integrand's largest value (n,)."""
     a, b, w = _rule(order)
     sums, largest = [], []
     step = max(1, CHUNK // len(w))
@@ -277,8 +277,8 @@ def integrate(
 
 def _worth_splitting(difference: Array, scale: Array, goal: float, cell: Array, affordable: int) -> Array:
     """Boxes whose difference exceeds the goal, at most so many; cells take turns, each with its worst box first."""
-    excess = (difference / (goal * scale[:, cell])).max(axis=0)
-    is_open = excess > 1.0
+    excess = np.max(difference / (goal * scale[:, cell]), axis=0)
+    is_open: Array = excess > 1.0
     if is_open.sum() > affordable:
         order = np.lexsort((-excess, ~is_open, cell))
         first = np.searchsorted(cell[order], cell[order])

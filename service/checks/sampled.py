@@ -88,7 +88,7 @@ def draw_and_integrate(probe: Probe, effort: Effort, seed: int) -> Sampled:
 
 
 def _known(shown: list[tuple[Array, Array, Array, Values]], limits: Array) -> Known:
-    """Directions of all cells (t, phi, leaf and values of each) with the integrands there, which float32 will do for."""
+    """Directions of all cells (t, phi, leaf and values of each) with the integrands there; float32 will do."""
     t, phi, leaf = (np.concatenate(column) for column in list(zip(*shown, strict=True))[:3])
     cell = np.repeat(np.arange(len(shown)), [len(one[0]) for one in shown])
     z = np.concatenate([np.maximum(values.wi[:, 2], 0.0) for *_, values in shown])
@@ -104,9 +104,7 @@ def _integrands(p: Array, reflected: Array, limit: Array) -> Array:
     return np.stack([p, reflected, np.where(p > 0, 0.0, reflected), weight * p, weight**2 * p])
 
 
-def _integrals(
-    probe: Probe, cells: Cells, trees: list[Tree], known: Known, limits: Array, effort: Effort
-) -> Integrals:
+def _integrals(probe: Probe, cells: Cells, trees: list[Tree], known: Known, limits: Array, effort: Effort) -> Integrals:
     def integrands(wi: Array, cell: Array) -> Array:
         values = probe.evaluate(cells.wo[cell], wi, cells.parameters[cell], "double")
         p = np.where(np.isfinite(values.direction_pdf), values.direction_pdf, 0.0)
@@ -153,8 +151,9 @@ def check_normalisation(probe: Probe, s: Sampled) -> Outcome:
     allowed = chance + 4 * error + NORMALISATION
     excess = np.abs(integral - share) - allowed
     blind = int((allowed > BLIND).sum())
-    power = f"{len(share)} settings and views; an integral off by more than {float(np.median(allowed)):.1g} (median)" + (
-        f"; at {blind} of them the density is too sharp to be integrated within {BLIND:g}" if blind else ""
+    power = (
+        f"{len(share)} settings and views; an integral off by more than {float(np.median(allowed)):.1g} (median)"
+        + (f"; at {blind} of them the density is too sharp to be integrated within {BLIND:g}" if blind else "")
     )
     worst = int(np.argmax(excess))
     evidence = {
