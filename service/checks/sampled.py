@@ -150,9 +150,14 @@ def check_normalisation(probe: Probe, s: Sampled) -> Outcome:
     # The error estimate is the last difference of two levels; next to a pole of the density more than that is left.
     allowed = chance + 4 * error + NORMALISATION
     excess = np.abs(integral - share) - allowed
-    blind = int((allowed > BLIND).sum())
+    known = allowed <= BLIND
+    if not known.any():
+        return not_applicable(
+            "pdf-normalisation", f"at every setting the density is too sharp to be integrated within {BLIND:g}"
+        )
+    blind = int((~known).sum())
     power = (
-        f"{len(share)} settings and views; an integral off by more than {float(np.median(allowed)):.1g} (median)"
+        f"{len(share)} settings and views; an integral off by more than {np.median(allowed[known]):.1g} (median)"
         + (f"; at {blind} of them the density is too sharp to be integrated within {BLIND:g}" if blind else "")
     )
     worst = int(np.argmax(excess))
@@ -163,7 +168,7 @@ def check_normalisation(probe: Probe, s: Sampled) -> Outcome:
         "quadrature_error": float(error[worst]),
     }
     if excess[worst] <= 0:
-        off = float(np.max(np.abs(integral - share)))
+        off = float(np.max(np.abs(integral - share)[known]))
         return passed(
             "pdf-normalisation", f"the density integrates to what it should within {off:.1g}", power, **evidence
         )
@@ -198,7 +203,7 @@ def check_chi_square(probe: Probe, s: Sampled) -> Outcome:
     n = len(s.counted[0])
     power = (
         f"{len(tests)} settings and views, {n:,} directions each in {int(freedom) + 1} bins; finds a "
-        f"density that is off by "
+        f"density whose averages over bins are off by "
         f"{math.sqrt((8.5 * math.sqrt(2 * freedom) + 10) / n):.1%} (root mean square), at a false-alarm "
         f"rate of {FALSE_ALARM:g}"
     )
