@@ -43,7 +43,7 @@ def features_left_out(plan: SeriesPlan, scene: Scene, method: str | None = "mc")
         return (black,)
     if method == "quadrature":
         return structural_features(plan)
-    return (*_unasked(scene), *_never_needed(scene), *structural_features(plan))
+    return (*_unasked(scene), *_never_needed(plan, scene), *structural_features(plan))
 
 
 def structural_features(plan: SeriesPlan) -> tuple[Feature, ...]:
@@ -63,9 +63,8 @@ def error_curve_features(plan: SeriesPlan) -> tuple[Feature, ...]:
         Feature("largest weight", reason, {"largest": False}),
         Feature("count of zero weights", reason, {"zeros": False}),
         _FIRST_BAD,
-        _ONCE,
     )
-    return (*curve, *structural_features(plan))
+    return (*curve, *_once(plan), *structural_features(plan))
 
 
 def report(by_series: Sequence[Sequence[Feature]]) -> list[dict[str, Any]]:
@@ -100,6 +99,11 @@ def moments_needed(scene: Scene) -> int:
     return 0
 
 
+def _once(plan: SeriesPlan) -> Iterator[Feature]:
+    if "prepare" in plan.model.declared | plan.technique.declared:
+        yield _ONCE
+
+
 def _unasked(scene: Scene) -> Iterator[Feature]:
     moments = moments_needed(scene)
     if moments < 4:
@@ -118,11 +122,11 @@ def _unasked(scene: Scene) -> Iterator[Feature]:
         yield Feature("count of zero weights", reason, {"zeros": False})
 
 
-def _never_needed(scene: Scene) -> Iterator[Feature]:
+def _never_needed(plan: SeriesPlan, scene: Scene) -> Iterator[Feature]:
     yield _FIRST_BAD
-    yield _ONCE
+    yield from _once(plan)
     if scene.techniques is not None and len(scene.techniques) > 1:
-        yield Feature("the other techniques", "each technique has a shader of its own", {"together": False})
+        yield Feature("the other techniques", "each technique has a module of its own", {"together": False})
 
 
 def _of_view_and_horizon(plan: SeriesPlan) -> Iterator[Feature]:
