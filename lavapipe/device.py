@@ -55,7 +55,8 @@ class Device:
 
         Where VK_DRIVER_FILES or VK_ICD_FILENAMES is set, that choice of drivers is respected. With `validation`, a
         message of the validation layer is a ValidationFailed at the next call. `memory_limit_bytes` bounds all
-        buffers together. Without `shader_cache` the driver compiles every shader anew, as if it had never seen it. Raises DeviceNotFound with one line that says what to run or unset.
+        buffers together. Without `shader_cache` the driver compiles every shader anew, as if it had never seen it.
+        Raises DeviceNotFound with one line that says what to run or unset.
         """
         if memory_limit_bytes <= 0:
             raise InvalidArgument(f"memory_limit_bytes={memory_limit_bytes}: a positive number of bytes")

@@ -60,7 +60,7 @@ def pinned_to_lavapipe() -> Iterator[None]:
 
 @contextmanager
 def without_shader_cache() -> Iterator[None]:
-    """Let Mesa's drivers compile every shader anew, on a device that is made meanwhile: they look once, at its start."""
+    """Let Mesa's drivers compile every shader anew, on a device that is made meanwhile: they look at its start."""
     with _environment({_NO_SHADER_CACHE: "true"}):
         yield
 

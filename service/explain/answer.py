@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from lavapipe import Device
 from service.engine import Engine
-from service.explain.shaders import Group, Shader, Size, groups_of, shader_without, size_of, whole_shader
+from service.explain.shaders import Group, Size, groups_of, shader_without, size_of, whole_shader
 from service.explain.timing import LAUNCH_SAMPLES, ROUNDS, Spread, compile_time, sample_times, spread
 from service.left_out import report, structure_without
 from service.scene import Question

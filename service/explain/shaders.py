@@ -1,4 +1,4 @@
-"""The shaders that are compared: the variant of a series, the one that keeps everything, and that one without a feature."""
+"""The shaders that are compared: the variant of a series, and the one that keeps everything, or all but one feature."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from service.left_out import Feature, features_left_out, structure_without
 from service.sampling import Cells
 from service.scene import Question, Scene, SeriesPlan
 from service.statistics import series_cells
-from service.structure import Constants, Structure
+from service.structure import Constants
 from service.variant import compose
 
 CELLS = 16

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,9 +61,9 @@ def sample_times(
         for sampler, some in zip(samplers, blocks, strict=True):
             sampler.launch(some)
         for number in range(rounds):
-            for at in np.roll(np.arange(len(shaders)), number):
+            for at in np.roll(np.arange(len(shaders)), number).tolist():
                 samples = blocks[at] * BLOCK_SAMPLES * len(shaders[at].cells)
-                found[number, at] = clock(lambda at=at: samplers[at].launch(blocks[at])) / samples
+                found[number, at] = clock(partial(samplers[at].launch, blocks[at])) / samples
                 advance(samples)
     return found
 
