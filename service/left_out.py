@@ -55,8 +55,10 @@ def structural_features(plan: SeriesPlan) -> tuple[Feature, ...]:
     )
 
 
-def error_curve_features(plan: SeriesPlan) -> tuple[Feature, ...]:
+def error_curve_features(plan: SeriesPlan, method: str) -> tuple[Feature, ...]:
     """What the shader of an error curve leaves out: it needs mean and variance of each replicate."""
+    if method == "quadrature":
+        return structural_features(plan)
     reason = "an error curve is made of means and variances"
     curve = (
         Feature("third and fourth powers of the weight", reason, {"moments": 2}),

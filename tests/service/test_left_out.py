@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from service.catalogue import load_catalogue, read_own_file
+from service.convergence import compute_convergence, parse_convergence_scene
 from service.engine import BUFFERS, PUSH_CONSTANT_BYTES, Engine
 from service.estimators.sampled import monte_carlo
 from service.explain.shaders import groups_of, shader_without
@@ -244,3 +245,12 @@ def test_a_users_own_file_may_prepare(engine, tmp_path):
         for one in (plan, dataclasses.replace(plan, model=catalogue.model("lambert"), parameters={"albedo": 1.0}))
     )
     assert np.array_equal(own.statistics.mean, shipped.statistics.mean)
+
+
+def test_an_error_curve_names_what_it_leaves_out(engine):
+    scene = {"model": "lambert", "techniques": ["uniform"], "theta_o_deg": [45], "estimator": {"samples": 64}}
+    result = compute_convergence(resolve(parse_convergence_scene(scene), engine.catalogue), engine)
+    named = {entry["feature"]: entry["series"] for entry in result["left_out"]}
+    assert named["largest weight"] == named["third and fourth powers of the weight"] == [0, 1]
+    assert named["azimuth of the view"] == named["albedo factor"] == [0, 1, 2]
+    assert [one["estimator"] for one in result["series"]] == ["mc", "qmc", "quadrature"]
