@@ -11,7 +11,6 @@ layout(constant_id = 1) const bool WITH_MAX = true;
 layout(constant_id = 2) const bool SCRAMBLED_SOBOL = false; // in place of random numbers; the key scrambles
 layout(constant_id = 3) const bool WITH_ZEROS = true;
 layout(constant_id = 4) const bool WITH_FIRST_BAD = true;
-layout(constant_id = 5) const bool PREPARED_ONCE = false;   // for the view, rather than for each sample
 
 struct Cell {
     vec4 view;   // wo, and the shift about which powers are summed
@@ -39,14 +38,8 @@ struct Tally {
     uint drawn, zero, nonfinite, negative, first_bad;
 };
 
-void prepare(vec3 wo) {
-    prepare_model(wo);
-    prepare_technique(wo);
-}
-
 // Draws sample `index` of the block at u and adds it; one beyond the end of the block is not `live` and adds nothing.
 void add_sample(inout Tally t, vec2 u, uint index, bool live, vec3 wo, float shift) {
-    if (!PREPARED_ONCE) prepare(wo);
     DirectionSample s = technique_sample_direction(wo, u);
     float weight = throughput_weight(s, wo);
     bool bad = live && is_nonfinite(weight + (s.pdf + (s.wi.x + s.wi.y + s.wi.z)));
@@ -82,7 +75,6 @@ void main() {
     float shift = cells[cell].view.w;
     uvec2 key = cells[cell].key.xy;
     load_parameters(cell);
-    if (PREPARED_ONCE) prepare(wo);
 
     Tally t = Tally(0.0, 0.0, 0.0, 0.0, -3.402823466e38, 0u, 0u, 0u, 0u, 0xffffffffu);
     uint end = block == last_block ? last_samples : BLOCK_SAMPLES;
