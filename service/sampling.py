@@ -22,7 +22,7 @@ from service.errors import SamplerscopeError
 from service.random_numbers import BLOCK_SAMPLES
 
 LANES = 64
-PILOT_SAMPLES = 2 * LANES
+PILOT_SAMPLES = 4 * LANES
 LAUNCH_BLOCKS = 1024  # 17 M samples: 0.03 to 0.2 s, so that progress and cancelling are prompt
 LAUNCHES_IN_FLIGHT = 2  # the host adds one launch while the device draws the next
 TIMEOUT_S = 600.0
@@ -194,14 +194,15 @@ class Sampler:
                 submission.close()
 
     def _pilot(self, samples: int) -> NDArray[np.float64]:
-        """The shift of every cell's power sums: the median over lanes of the mean of a lane's first two weights."""
+        """The shift of every cell's power sums: the median over lanes of the mean of a lane's first weights."""
         self._cells.array["shift"] = 0.0
         shifts = np.empty(self._count)
         for first in range(0, self._count, LAUNCH_BLOCKS):
             launch = _Launch(first, min(LAUNCH_BLOCKS, self._count - first), 0, 1)
             self._submit(launch, samples, self._outputs[0]).wait(TIMEOUT_S)
-            used = slice(0, max(1, samples // 2))
-            powers, found = (_view(buffer, launch)[used, :, 0] for buffer in self._outputs[0])
+            powers, found = (_view(buffer, launch)[:, :, 0] for buffer in self._outputs[0])
+            used = found[:, 0, DRAWN] != 0
+            powers, found = powers[used], found[used]
             shifts[first : first + launch.cells] = np.median(powers[..., 0] / (found[..., DRAWN] & 0xFFFF), axis=0)
         return shifts.astype(np.float32).astype(np.float64)
 

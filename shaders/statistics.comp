@@ -42,10 +42,8 @@ struct Tally {
 
 const Tally NOTHING = Tally(0.0, 0.0, 0.0, 0.0, -3.402823466e38, 0u, 0u, 0xffffffffu);
 
-// Draws sample `index` of the block at u and adds it.
-void add_sample(inout Tally t, vec2 u, uint index, vec3 wo, float shift) {
-    DirectionSample s = technique_sample_direction(wo, u);
-    float weight = throughput_weight(s, wo);
+// Adds sample `index` of the block.
+void add_sample(inout Tally t, DirectionSample s, float weight, uint index, float shift) {
     bool bad = is_nonfinite(weight + (s.pdf + (s.wi.x + s.wi.y + s.wi.z)));
     t.not_positive += weight == 0.0 ? 1u : 0u;
     t.not_positive += weight < 0.0 ? 65536u : 0u;
@@ -79,23 +77,34 @@ void main() {
     load_parameters(cell);
 
     uint samples = block == last_block ? last_samples : BLOCK_SAMPLES;
-    uint pairs = samples / 2u;
-    // The last sample of an odd number is lane 0's. Every lane draws it, before the loop: what depends on the view alone
-    // is then known there, and the driver, which moves nothing out of a loop, forms it once.
-    Tally with_last = NOTHING;
-    add_sample(with_last, sample_numbers(pairs, block, key).xy, samples - 1u, wo, shift);
-    bool has_last = lane == 0u && (samples & 1u) != 0u;
+    uint fours = samples / 4u, rest = samples % 4u;
+
+    // Up to three samples are left over: lanes 0 to 2 add one each. Every lane draws one, before the loop: what depends on
+    // the view alone is then known there, and the driver, which moves nothing out of a loop, forms it once.
+    vec4 v = sample_numbers(2u * fours + lane / 2u, block, key);
+    DirectionSample left = technique_sample_direction(wo, (lane & 1u) == 0u ? v.xy : v.zw);
+    Tally with_left = NOTHING;
+    add_sample(with_left, left, throughput_weight(left, wo), 4u * fours + lane, shift);
     Tally t = NOTHING;
-    if (has_last) t = with_last;
+    if (lane < rest) t = with_left;
+
+    // Four samples at a time, stage by stage: a processor looks some 200 instructions ahead, and so works at all of them
+    // while one would wait for its own results.
     uint n = lane;
-    for (; n < pairs; n += LANES) {
-        vec4 u = sample_numbers(n, block, key);
-        add_sample(t, u.xy, 2u * n, wo, shift);
-        add_sample(t, u.zw, 2u * n + 1u, wo, shift);
+    for (; n < fours; n += LANES) {
+        vec4 u = sample_numbers(2u * n, block, key), v = sample_numbers(2u * n + 1u, block, key);
+        DirectionSample a = technique_sample_direction(wo, u.xy), b = technique_sample_direction(wo, u.zw);
+        DirectionSample c = technique_sample_direction(wo, v.xy), d = technique_sample_direction(wo, v.zw);
+        float weight_a = throughput_weight(a, wo), weight_b = throughput_weight(b, wo);
+        float weight_c = throughput_weight(c, wo), weight_d = throughput_weight(d, wo);
+        add_sample(t, a, weight_a, 4u * n, shift);
+        add_sample(t, b, weight_b, 4u * n + 1u, shift);
+        add_sample(t, c, weight_c, 4u * n + 2u, shift);
+        add_sample(t, d, weight_d, 4u * n + 3u, shift);
     }
 
     // Fewer than asked where the driver ended a loop.
-    uint drawn = loops_ran(min(gl_NumWorkGroups.x + 1u, 2u)) ? (n - lane) / LANES * 2u + (has_last ? 1u : 0u) : 0u;
+    uint drawn = loops_ran(min(gl_NumWorkGroups.x + 1u, 2u)) ? (n - lane) / LANES * 4u + (lane < rest ? 1u : 0u) : 0u;
     uint blocks = gl_NumWorkGroups.x * gl_NumWorkGroups.y;
     uint at = lane * blocks + gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     powers[at] = vec4(t.s1, t.s2, t.s3, t.s4);
