@@ -43,7 +43,7 @@ def features_left_out(plan: SeriesPlan, scene: Scene, method: str | None = "mc")
         return (black,)
     if method == "quadrature":
         return structural_features(plan)
-    return (*_unasked(scene), *_never_needed(plan, scene), *structural_features(plan))
+    return (*_unasked(scene), *_never_needed(scene), *structural_features(plan))
 
 
 def structural_features(plan: SeriesPlan) -> tuple[Feature, ...]:
@@ -65,8 +65,9 @@ def error_curve_features(plan: SeriesPlan, method: str) -> tuple[Feature, ...]:
         Feature("largest weight", reason, {"largest": False}),
         Feature("count of zero weights", reason, {"zeros": False}),
         _FIRST_BAD,
+        _ONCE,
     )
-    return (*curve, *_once(plan), *structural_features(plan))
+    return (*curve, *structural_features(plan))
 
 
 def report(by_series: Sequence[Sequence[Feature]]) -> list[dict[str, Any]]:
@@ -87,8 +88,8 @@ _FIRST_BAD = Feature(
 )
 _ONCE = Feature(
     "terms of the view in every sample",
-    "they are formed once for a view, by the functions `prepare`",
-    {"prepared_for": "view"},
+    "they are the same for every sample, and formed once",
+    {"formed_once": True},
 )
 
 
@@ -99,11 +100,6 @@ def moments_needed(scene: Scene) -> int:
     if "mean" in scene.statistics:
         return 2 if scene.error_bars else 1
     return 0
-
-
-def _once(plan: SeriesPlan) -> Iterator[Feature]:
-    if "prepare" in plan.model.declared | plan.technique.declared:
-        yield _ONCE
 
 
 def _unasked(scene: Scene) -> Iterator[Feature]:
@@ -124,9 +120,9 @@ def _unasked(scene: Scene) -> Iterator[Feature]:
         yield Feature("count of zero weights", reason, {"zeros": False})
 
 
-def _never_needed(plan: SeriesPlan, scene: Scene) -> Iterator[Feature]:
+def _never_needed(scene: Scene) -> Iterator[Feature]:
     yield _FIRST_BAD
-    yield from _once(plan)
+    yield _ONCE
     if scene.techniques is not None and len(scene.techniques) > 1:
         yield Feature("the other techniques", "each technique has a module of its own", {"together": False})
 

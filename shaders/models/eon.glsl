@@ -31,7 +31,7 @@ float multiple_scattering(float mu_i, float mu_o) {
 
 float brdf(vec3 wi, vec3 wo) {
     float f = albedo * fon_lobe(wi, wo, roughness) + multiple_scattering(wi.z, wo.z);
-    return min(wi.z, wo.z) > 0.0 ? f : 0.0;
+    return wi.z > 0.0 && wo.z > 0.0 ? f : 0.0;
 }
 
 float directional_albedo(float mu) {

@@ -1,12 +1,10 @@
 """What a shader leaves out: by which rules, and without a change of a single bit."""
 
-import dataclasses
 from itertools import combinations
 
-import numpy as np
 import pytest
 
-from service.catalogue import load_catalogue, read_own_file
+from service.catalogue import load_catalogue
 from service.convergence import compute_convergence, parse_convergence_scene
 from service.engine import BUFFERS, PUSH_CONSTANT_BYTES, Engine
 from service.estimators.sampled import monte_carlo
@@ -123,7 +121,7 @@ def test_what_was_not_asked_is_left_out_by_name(compute):
 
 def test_a_scene_that_asks_for_everything_keeps_what_it_needs():
     everything = left_out_of(model="kurt", techniques="half-vector-cosine", parameters={"kd": 0.2, "f0": 0.5})
-    assert set(everything) == {"index of the first non-finite sample"}
+    assert set(everything) == {"index of the first non-finite sample", "terms of the view in every sample"}
 
 
 @pytest.mark.parametrize(
@@ -214,37 +212,10 @@ def test_a_users_own_file_is_not_believed(engine, tmp_path):
     scene = parse_scene({"model": "lambert", "techniques": ["cosine"], "estimator": {"samples": 1000}})
     question = resolve(scene, catalogue)
     names = {feature.name for feature in features_left_out(question.series[0], question.scene)}
-    assert names == {"index of the first non-finite sample"}
+    assert names == {"index of the first non-finite sample", "terms of the view in every sample"}
     (series,) = compute_statistics(question, Engine(engine.device, catalogue, engine.cache))["series"]
     assert series["verdict"]["status"] == "nonfinite"
     assert min(series["nonfinite"]) > 0
-
-
-PREPARED = """/*---
-provides = ["model"]
-name = "prepared"
-title = "Lambert, formed once"
-source = "own"
----*/
-float f;
-void prepare(vec3 wo) { f = wo.z > 0.0 ? INV_PI : 0.0; }
-float brdf(vec3 wi, vec3 wo) { return wi.z > 0.0 ? f : 0.0; }
-"""
-
-
-def test_a_users_own_file_may_prepare(engine, tmp_path):
-    path = tmp_path / "prepared.glsl"
-    path.write_text(PREPARED)
-    assert "prepare" in read_own_file(path).declared
-    catalogue = load_catalogue().with_file(path)
-    question = resolve(parse_scene({"model": "prepared", "techniques": ["uniform"]}), catalogue)
-    at = Engine(engine.device, catalogue, engine.cache)
-    plan, estimator = question.series[0], question.scene.estimator.model_copy(update={"samples": SAMPLES})
-    own, shipped = (
-        monte_carlo(one, at, series_cells(one, question.scene), estimator, Structure())
-        for one in (plan, dataclasses.replace(plan, model=catalogue.model("lambert"), parameters={"albedo": 1.0}))
-    )
-    assert np.array_equal(own.statistics.mean, shipped.statistics.mean)
 
 
 def test_an_error_curve_names_what_it_leaves_out(engine):
