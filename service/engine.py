@@ -49,14 +49,14 @@ class Engine:
         model: Entry,
         technique: Entry,
         job: Job,
-        specialization: Mapping[int, int | bool] | None = None,
+        specialization: Mapping[int, int | float | bool] | None = None,
         precision: Precision = "float",
     ) -> Pipeline:
         """The pipeline of a job for a model and a technique, built once. CompileError has the file's own lines."""
         constants = dict(specialization or {})
         key = (model, technique, job, precision, tuple(sorted(constants.items())))
         if key not in self._pipelines:
-            variant = compose(self.catalogue, model, technique, job, precision)
+            variant = compose(self.catalogue, model, [technique], job, precision)
             spirv = compile_glsl(variant.source, name=variant.name, include=variant.includes, cache=self.cache)
             self._pipelines[key] = self.device.pipeline(
                 spirv,

@@ -9,6 +9,9 @@ const uint BLOCK_SAMPLES = 16384u; // 256 a lane: float32 sums stay good to 1e-6
 layout(constant_id = 0) const uint MOMENTS = 4u;     // highest power of (weight - shift) that is summed, 0 to 4
 layout(constant_id = 1) const bool WITH_MAX = true;
 layout(constant_id = 2) const bool SCRAMBLED_SOBOL = false; // in place of random numbers; the key scrambles
+layout(constant_id = 3) const bool WITH_ZEROS = true;
+layout(constant_id = 4) const bool WITH_FIRST_BAD = true;
+layout(constant_id = 5) const bool PREPARED_ONCE = false;   // for the view, rather than for each sample
 
 struct Cell {
     vec4 view;   // wo, and the shift about which powers are summed
@@ -42,13 +45,18 @@ struct Tally {
 
 const Tally NOTHING = Tally(0.0, 0.0, 0.0, 0.0, -3.402823466e38, 0u, 0u, 0xffffffffu);
 
+void prepare(vec3 wo) {
+    prepare_model(wo);
+    prepare_technique(wo);
+}
+
 // Adds sample `index` of the block.
 void add_sample(inout Tally t, DirectionSample s, float weight, uint index, float shift) {
     bool bad = is_nonfinite(weight + (s.pdf + (s.wi.x + s.wi.y + s.wi.z)));
-    t.not_positive += weight == 0.0 ? 1u : 0u;
+    if (WITH_ZEROS) t.not_positive += weight == 0.0 ? 1u : 0u;
     t.not_positive += weight < 0.0 ? 65536u : 0u;
     t.nonfinite += bad ? 1u : 0u;
-    t.first_bad = bad ? min(t.first_bad, index) : t.first_bad;
+    if (WITH_FIRST_BAD) t.first_bad = bad ? min(t.first_bad, index) : t.first_bad;
     float d = bad ? 0.0 : weight - shift;
     float d2 = d * d;
     if (MOMENTS >= 1u) t.s1 += d;
@@ -71,10 +79,11 @@ void main() {
     uint lane = gl_LocalInvocationID.x;
     uint block = first_block + gl_WorkGroupID.x;
     uint cell = first_cell + gl_WorkGroupID.y;
-    vec3 wo = cells[cell].view.xyz;
+    vec3 wo = view_direction(cells[cell].view.xyz);
     float shift = cells[cell].view.w;
     uvec2 key = cells[cell].key.xy;
     load_parameters(cell);
+    prepare(wo);
 
     uint samples = block == last_block ? last_samples : BLOCK_SAMPLES;
     uint fours = samples / 4u, rest = samples % 4u;
@@ -92,6 +101,7 @@ void main() {
     // while one would wait for its own results.
     uint n = lane;
     for (; n < fours; n += LANES) {
+        if (!PREPARED_ONCE) prepare(wo);
         vec4 u = sample_numbers(2u * n, block, key), v = sample_numbers(2u * n + 1u, block, key);
         DirectionSample a = technique_sample_direction(wo, u.xy), b = technique_sample_direction(wo, u.zw);
         DirectionSample c = technique_sample_direction(wo, v.xy), d = technique_sample_direction(wo, v.zw);

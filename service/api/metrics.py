@@ -36,6 +36,7 @@ class Metrics:
             "samplerscope_worker_restarts", "Workers that were lost and replaced.", ("lane",), registry=self.registry
         )
         self.queue = Gauge("samplerscope_queue_length", "Tasks that wait.", ("lane",), registry=self.registry)
+        self.running = Gauge("samplerscope_running", "Tasks that a worker is at.", ("lane",), registry=self.registry)
         for lane in ("direct", "jobs", "encode"):
             self.restarts.labels(lane)
 

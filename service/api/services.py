@@ -65,6 +65,7 @@ class Services:
             }
             made = Lane(LaneSettings(name, **clocks | more), lambda name: metrics.restarts.labels(name).inc())
             metrics.queue.labels(name).set_function(lambda: len(made.waiting))
+            metrics.running.labels(name).set_function(lambda: made.running is not None)
             return made
 
         store = Store(settings.data_dir, settings.store_limit_bytes, settings.store_max_age_s, settings.store_max_jobs)

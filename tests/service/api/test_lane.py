@@ -6,7 +6,7 @@ import os
 import signal
 
 import pytest
-from http_server import HUGE, LONG, SMALL
+from http_server import HUGE, LONG, PATIENCE_S, SMALL
 
 from service.sampling import CellSums, Checkpoint
 from service.worker import checkpoints
@@ -83,7 +83,7 @@ def test_a_full_queue_refuses_and_cancelled_tasks_leave_it():
             lane.cancel(one)
         for one in (*waiting, running):
             with pytest.raises(Cancelled):
-                await asyncio.wait_for(one.future, 20)
+                await asyncio.wait_for(one.future, PATIENCE_S)
         assert lane.running is None or not lane.waiting
         assert lane.restarts == 0
 

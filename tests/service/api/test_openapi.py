@@ -8,7 +8,7 @@ from contextlib import suppress
 
 import pytest
 import schemathesis
-from http_server import Server
+from http_server import PATIENCE_S, Server
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis.errors import Unsatisfiable
 from schemathesis import checks
@@ -94,7 +94,7 @@ def test_every_response_to_generated_requests_is_one_the_document_describes(smal
             )
             def conforms(case):
                 sent[case.operation.label] += 1
-                case.call_and_validate(base_url=small_server.url, checks=CHECKS, timeout=60)
+                case.call_and_validate(base_url=small_server.url, checks=CHECKS, timeout=PATIENCE_S)
 
             # An operation without parameters has no wrong request.
             with suppress(Unsatisfiable):
