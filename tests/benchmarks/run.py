@@ -25,6 +25,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from calibration import calibrate
 from install import OUT, Peer, peers
+from variants import variants
 
 from service.engine import Engine
 from service.estimators.quadrature import quadrature
@@ -56,6 +57,7 @@ def main() -> None:
         report = {"rates": rates(engine, question, given.samples, given.rounds)}
         report["to_error"] = time_to_error(engine, question, report["rates"])
         report["calibration"] = calibrate(engine, given.seeds)
+        report["variants"] = variants(engine)
     OUT.mkdir(parents=True, exist_ok=True)
     (OUT / "bench.json").write_text(json.dumps(report, indent=1) + "\n")
 
