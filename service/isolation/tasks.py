@@ -11,6 +11,7 @@ from service.checks.battery import Battery, run_battery
 from service.checks.replaying import replay_inputs
 from service.checks.selection import select
 from service.engine import Engine
+from service.explain import compute_explanation, parse_explain_scene
 from service.scene import parse_scene, resolve
 from service.stability import compute_stability
 from service.statistics import compute_statistics
@@ -48,6 +49,12 @@ def stability(arguments: Arguments, progress: Progress) -> dict[str, Any]:
     return _of_scene(compute_stability, arguments, progress)
 
 
+def explain(arguments: Arguments, progress: Progress) -> dict[str, Any]:
+    """What the shaders of a scene leave out, whose model or technique is a user's file."""
+    parse_explain_scene(arguments["scene"])
+    return _of_scene(compute_explanation, arguments, progress)
+
+
 def _of_scene(compute: Callable[..., dict[str, Any]], arguments: Arguments, progress: Progress) -> dict[str, Any]:
     catalogue = load_catalogue()
     if arguments["file"] is not None:
@@ -75,4 +82,5 @@ TASKS: Mapping[str, Callable[[Arguments, Progress], dict[str, Any]]] = {
     "replay": replay,
     "statistics": statistics,
     "stability": stability,
+    "explain": explain,
 }
