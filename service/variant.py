@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from functools import cache
 from typing import Literal
 
 from service import glsl
@@ -55,7 +55,7 @@ def compose(catalogue: Catalogue, model: Entry, technique: Entry, job: str, prec
             f"#define U1_SPLIT {'technique_u1_split(wo)' if 'u1_split' in technique.declared else '0.0'}\n",
             '#line 1 "variant"\n#include "common/weight.glsl"\n',
             f'#line 1 "{job}.comp"\n',
-            _job_text(job),
+            job_texts()[job],
         ]
     )
     includes = {
@@ -63,11 +63,16 @@ def compose(catalogue: Catalogue, model: Entry, technique: Entry, job: str, prec
         "variant/load_parameters.glsl": _loader(parameters),
         "variant/draw_parameters.glsl": _drawer(parameters),
     }
-    name = f"{model.name}+{technique.name}.{job}"
+    name = variant_name(model, technique, job, precision)
     if precision == "double":
         includes = {key: part if key in _NOT_WIDENED else widen(part) for key, part in includes.items()}
-        return Variant(_LANGUAGE + _DOUBLE + widen(text), includes, parameters, f"{name}.double")
+        return Variant(_LANGUAGE + _DOUBLE + widen(text), includes, parameters, name)
     return Variant(_LANGUAGE + text, includes, parameters, name)
+
+
+def variant_name(model: Entry, technique: Entry, job: str, precision: Precision = "float") -> str:
+    """What errors call a variant."""
+    return f"{model.name}+{technique.name}.{job}" + (".double" if precision == "double" else "")
 
 
 def _part(entry: Entry, prefix: str, parameters: Iterable[str]) -> str:
@@ -102,5 +107,7 @@ def _drawer(parameters: Sequence[str]) -> str:
     return head + "".join(lines) + f"    return {total};\n}}\n"
 
 
-def _job_text(job: str) -> str:
-    return Path(SHADERS / f"{job}.comp").read_text(encoding="utf-8")
+@cache
+def job_texts() -> dict[str, str]:
+    """The text of every job by its name."""
+    return {path.stem: path.read_text(encoding="utf-8") for path in SHADERS.glob("*.comp")}

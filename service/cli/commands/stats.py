@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import click
@@ -26,12 +27,12 @@ def stats(format_: str | None, outputs: tuple[str, ...], device: str | None, **o
 
 def statistics_of_file(path: str, options: dict[str, Any], device: str | None) -> dict[str, Any]:
     """Answer a scene whose model, or technique, is a user's file, in a process of its own."""
+    from service.catalogue import own_text
     from service.isolation import run_isolated
-    from service.isolation.tasks import file_scene
 
-    scene = file_scene(path, scene_data(**options))
+    arguments = {"file": path, "text": own_text(Path(path)), "scene": scene_data(**options), "device": device}
     with ProgressLine() as progress:
-        return run_isolated("statistics", {"file": path, "scene": scene, "device": device}, progress)
+        return run_isolated("statistics", arguments, progress)
 
 
 def statistics_of(scene: Scene, device: str | None) -> dict[str, Any]:
