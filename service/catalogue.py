@@ -68,6 +68,8 @@ class Head(BaseModel):
     mixture: bool = False
     anisotropic: bool = False
     singular: list[str] = []
+    black: dict[str, float] = {}
+    left_out: dict[str, dict[str, float]] = {}
     parameters: dict[str, Parameter] = {}
 
 
@@ -193,6 +195,7 @@ def read_entry(text: str, origin: str) -> Entry:
         raise ShaderFileError(f"{origin}: head: {place}: {first['msg']}") from None
     declared = frozenset(glsl.declared_names(text))
     _check_parameters(head, origin)
+    _check_values(head, origin)
     for role in head.provides:
         for function in _REQUIRED_FUNCTIONS[role]:
             if function not in declared:
@@ -207,6 +210,19 @@ def _check_parameters(head: Head, origin: str) -> None:
         values = (parameter.min, parameter.default, parameter.max)
         if not (all(map(math.isfinite, values)) and parameter.min <= parameter.default <= parameter.max):
             raise ShaderFileError(f"{origin}: head: parameters.{name}: must have min <= default <= max")
+
+
+def _check_values(head: Head, origin: str) -> None:
+    """What drops out at given values names parameters that the file reads, with values in range."""
+    for field_name, values in [("black", head.black), *((f"left_out.{name}", v) for name, v in head.left_out.items())]:
+        for name, value in values.items():
+            own = head.parameters.get(name)
+            if own is None and (name not in head.uses or field_name == "black"):
+                raise ShaderFileError(f"{origin}: head: {field_name}: {name!r} is no parameter of this file")
+            if not (math.isfinite(value) if own is None else own.min <= value <= own.max):
+                raise ShaderFileError(f"{origin}: head: {field_name}: {name} = {value:g} is out of its range")
+        if not values and field_name != "black":
+            raise ShaderFileError(f"{origin}: head: {field_name}: must name a parameter and its value")
 
 
 def _provided(entries: Iterable[Entry], role: Literal["model", "technique"]) -> dict[str, Entry]:

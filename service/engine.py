@@ -51,7 +51,7 @@ class Engine:
         model: Entry,
         technique: Entry,
         job: Job,
-        specialization: Mapping[int, int | bool] | None = None,
+        specialization: Mapping[int, int | float | bool] | None = None,
         precision: Precision = "float",
     ) -> Pipeline:
         """The pipeline of a job for a model and a technique, built once. CompileError has the file's own lines."""
@@ -63,7 +63,7 @@ class Engine:
                 buffers=_BUFFERS[job],
                 push_constant_bytes=_PUSH_CONSTANT_BYTES[job],
                 specialization=constants,
-                name=variant_name(model, technique, job, precision),
+                name=variant_name(model, [technique], job, precision),
             )
         return self._pipelines[key]
 
@@ -81,7 +81,7 @@ class Engine:
     def _spirv(self, model: Entry, technique: Entry, job: Job, precision: Precision) -> bytes:
         key = (model, technique, job, precision)
         if key not in self._compiled:
-            variant = compose(self.catalogue, model, technique, job, precision)
+            variant = compose(self.catalogue, model, [technique], job, precision)
             try:
                 self._compiled[key] = compile_glsl(
                     variant.source, name=variant.name, include=variant.includes, cache=self.cache

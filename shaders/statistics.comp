@@ -9,6 +9,9 @@ const uint BLOCK_SAMPLES = 16384u; // 256 a lane: float32 sums stay good to 1e-6
 layout(constant_id = 0) const uint MOMENTS = 4u;     // highest power of (weight - shift) that is summed, 0 to 4
 layout(constant_id = 1) const bool WITH_MAX = true;
 layout(constant_id = 2) const bool SCRAMBLED_SOBOL = false; // in place of random numbers; the key scrambles
+layout(constant_id = 3) const bool WITH_ZEROS = true;
+layout(constant_id = 4) const bool WITH_FIRST_BAD = true;
+layout(constant_id = 5) const bool PREPARED_ONCE = false;   // for the view, rather than for each sample
 
 struct Cell {
     vec4 view;   // wo, and the shift about which powers are summed
@@ -36,17 +39,23 @@ struct Tally {
     uint drawn, zero, nonfinite, negative, first_bad;
 };
 
+void prepare(vec3 wo) {
+    prepare_model(wo);
+    prepare_technique(wo);
+}
+
 // Draws sample `index` of the block at u and adds it; one beyond the end of the block is not `live` and adds nothing.
 void add_sample(inout Tally t, vec2 u, uint index, bool live, vec3 wo, float shift) {
+    if (!PREPARED_ONCE) prepare(wo);
     DirectionSample s = technique_sample_direction(wo, u);
     float weight = throughput_weight(s, wo);
     bool bad = live && is_nonfinite(weight + (s.pdf + (s.wi.x + s.wi.y + s.wi.z)));
     bool counted = live && !bad;
     t.drawn += live ? 1u : 0u;
-    t.zero += live && weight == 0.0 ? 1u : 0u;
+    if (WITH_ZEROS) t.zero += live && weight == 0.0 ? 1u : 0u;
     t.negative += live && weight < 0.0 ? 1u : 0u;
     t.nonfinite += bad ? 1u : 0u;
-    t.first_bad = bad ? min(t.first_bad, index) : t.first_bad;
+    if (WITH_FIRST_BAD) t.first_bad = bad ? min(t.first_bad, index) : t.first_bad;
     float d = counted ? weight - shift : 0.0;
     float d2 = d * d;
     if (MOMENTS >= 1u) t.s1 += d;
@@ -69,10 +78,11 @@ void main() {
     uint lane = gl_LocalInvocationID.x;
     uint block = first_block + gl_WorkGroupID.x;
     uint cell = first_cell + gl_WorkGroupID.y;
-    vec3 wo = cells[cell].view.xyz;
+    vec3 wo = view_direction(cells[cell].view.xyz);
     float shift = cells[cell].view.w;
     uvec2 key = cells[cell].key.xy;
     load_parameters(cell);
+    if (PREPARED_ONCE) prepare(wo);
 
     Tally t = Tally(0.0, 0.0, 0.0, 0.0, -3.402823466e38, 0u, 0u, 0u, 0u, 0xffffffffu);
     uint end = block == last_block ? last_samples : BLOCK_SAMPLES;

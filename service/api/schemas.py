@@ -57,11 +57,19 @@ class Series(BaseModel):
     variance: Column = []
     variance_stderr: Column = []
     max_weight: Column = []
-    zero_fraction: Column
+    zero_fraction: Column = []
     nonfinite: list[int]
     reference: Reference | None
     verdict: Verdict
     device_ms: float
+
+
+class LeftOut(BaseModel):
+    """What shaders left out, the reason, and the numbers of the series whose shaders they are."""
+
+    feature: str
+    reason: str
+    series: list[int]
 
 
 class StatisticsResult(BaseModel):
@@ -71,7 +79,7 @@ class StatisticsResult(BaseModel):
     scene: dict[str, Any]
     axes: dict[str, Axis]
     series: list[Series]
-    left_out: list[dict[str, str]]
+    left_out: list[LeftOut]
     run: dict[str, Any]
 
 

@@ -5,6 +5,8 @@ title = "Ashikhmin-Shirley"
 source = "Ashikhmin and Shirley, An anisotropic Phong BRDF model (2000), specular lobe"
 anisotropic = true
 singular = ["the exponent is 0/0 at the normal as printed"]
+[left_out]
+"Fresnel term" = { f0 = 1.0 }
 [parameters.f0]
 min = 0.0
 max = 1.0

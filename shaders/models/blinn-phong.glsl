@@ -3,6 +3,7 @@ provides = ["model"]
 name = "blinn-phong"
 title = "Blinn-Phong, normalized"
 source = "Blinn, Models of light reflection for computer synthesized pictures (1977), with the normalization (n + 2)(n + 4)/(8 pi (2^(-n/2) + n))"
+black = { ks = 0.0 }
 [parameters.ks]
 min = 0.0
 max = 1.0

@@ -4,6 +4,8 @@ name = "cook-torrance"
 title = "Cook-Torrance"
 source = "Cook and Torrance, A reflectance model for computer graphics (1982), with an anisotropic Beckmann distribution and the normalization 1/(4 ci co)"
 anisotropic = true
+[left_out]
+"Fresnel term" = { f0 = 1.0 }
 [parameters.f0]
 min = 0.0
 max = 1.0

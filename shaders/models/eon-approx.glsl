@@ -4,6 +4,10 @@ name = "eon-approx"
 title = "Energy-preserving Oren-Nayar, fitted albedo"
 source = "Portsmouth, Kutz, Hill 2024 (EON), eq. 16 to 19, with the polynomial albedo of eq. 14 and the clamps of Listing 1"
 singular = ["the fitted albedo passes 1 towards grazing, where 1 - E is clamped to 1e-7"]
+black = { albedo = 0.0 }
+[left_out]
+"fit of the multiple-scattering lobe" = { roughness = 0.0 }
+"albedo factor" = { albedo = 1.0 }
 [parameters.roughness]
 min = 0.0
 max = 1.0
@@ -36,9 +40,15 @@ float average_missing_energy() {
     return max(fon_amplitude(roughness) * roughness * (FON_C1 - FON_C2), CLAMP);
 }
 
+float strength; // of the multiple-scattering lobe, for this view
+
+void prepare(vec3 wo) {
+    strength = INV_PI * eon_multiple_scattering_albedo(albedo, roughness) / average_missing_energy()
+        * fitted_missing_energy(wo.z);
+}
+
 float brdf(vec3 wi, vec3 wo) {
-    float strength = INV_PI * eon_multiple_scattering_albedo(albedo, roughness) / average_missing_energy();
-    float multiple = strength * fitted_missing_energy(wo.z) * fitted_missing_energy(wi.z);
+    float multiple = strength * fitted_missing_energy(wi.z);
     return min(wi.z, wo.z) > 0.0 ? albedo * fon_lobe(wi, wo, roughness) + multiple : 0.0;
 }
 

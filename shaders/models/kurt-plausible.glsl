@@ -5,6 +5,9 @@ title = "Kurt, physically plausible"
 source = "Kurt, Szirmay-Kalos, Krivanek 2010, eq. 9"
 anisotropic = true
 singular = ["albedo above 1 at grazing for slopes above 1.881"]
+black = { ks = 0.0 }
+[left_out]
+"Fresnel term" = { f0 = 1.0 }
 [parameters.ks]
 min = 0.0
 max = 1.0

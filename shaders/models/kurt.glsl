@@ -5,6 +5,12 @@ title = "Kurt, simple"
 source = "Kurt, Szirmay-Kalos, Krivanek 2010, eq. 10 to 12"
 anisotropic = true
 singular = ["grows like cos^-alpha at grazing for every alpha above 0"]
+black = { kd = 0.0, ks = 0.0 }
+[left_out]
+"diffuse lobe" = { kd = 0.0 }
+"specular lobe" = { ks = 0.0 }
+"Fresnel term" = { f0 = 1.0 }
+"shadowing term" = { alpha = 0.0 }
 [parameters.kd]
 min = 0.0
 max = 1.0

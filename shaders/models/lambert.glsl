@@ -3,6 +3,9 @@ provides = ["model"]
 name = "lambert"
 title = "Lambert"
 source = "Lambert's cosine law: f = rho/pi"
+black = { albedo = 0.0 }
+[left_out]
+"albedo factor" = { albedo = 1.0 }
 [parameters.albedo]
 min = 0.0
 max = 1.0

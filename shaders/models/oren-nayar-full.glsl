@@ -4,6 +4,10 @@ name = "oren-nayar-full"
 title = "Full Oren-Nayar"
 source = "Oren and Nayar 1994, direct term and interreflection (the model that Portsmouth, Kutz, Hill 2024 call fullON)"
 singular = ["polar angles and azimuth are 0/0 at the normal", "negative in forward grazing scattering at low albedo"]
+black = { albedo = 0.0 }
+[left_out]
+"roughness terms" = { sigma = 0.0 }
+"albedo factor" = { albedo = 1.0 }
 [parameters.sigma]
 min = 0.0
 max = 1.5707963267948966

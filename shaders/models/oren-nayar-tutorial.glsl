@@ -3,6 +3,10 @@ provides = ["model"]
 name = "oren-nayar-tutorial"
 title = "Oren-Nayar of a GLSL tutorial (negative example)"
 source = "A widespread shader tutorial: the cosine of the difference of the polar angles stands where that of the azimuths belongs. Not an Oren-Nayar model; kept because it is shipped"
+black = { albedo = 0.0 }
+[left_out]
+"roughness terms" = { sigma = 0.0 }
+"albedo factor" = { albedo = 1.0 }
 [parameters.sigma]
 min = 0.0
 max = 1.5707963267948966

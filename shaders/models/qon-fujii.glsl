@@ -3,6 +3,10 @@ provides = ["model"]
 name = "qon-fujii"
 title = "Qualitative Oren-Nayar, Fujii's proposal"
 source = "Fujii's qualitative model with interreflection; Portsmouth, Kutz, Hill 2024 (EON), section 1"
+black = { albedo = 0.0 }
+[left_out]
+"roughness terms" = { sigma = 0.0 }
+"albedo factor" = { albedo = 1.0 }
 [parameters.sigma]
 min = 0.0
 max = 1.5707963267948966

@@ -5,6 +5,7 @@ title = "Ward-Duer"
 source = "Duer, On the Ward model for global illumination (2005)"
 anisotropic = true
 singular = ["grows like 1/cos at grazing"]
+black = { ks = 0.0 }
 [parameters.ks]
 min = 0.0
 max = 1.0

@@ -5,6 +5,7 @@ title = "Ward"
 source = "Ward, Measuring and modeling anisotropic reflection (1992), specular lobe"
 anisotropic = true
 singular = ["grows like cos^-1/2 at grazing"]
+black = { ks = 0.0 }
 [parameters.ks]
 min = 0.0
 max = 1.0

@@ -6,6 +6,8 @@ source = "Portsmouth, Kutz, Hill 2024 (EON), Listing 4: one-sample MIS, with a u
 models = ["eon", "eon-approx", "fon"]
 uses = ["roughness"]
 mixture = true
+[left_out]
+"uniform lobe" = { roughness = 0.0 }
 ---*/
 #include "common/frame.glsl"
 #include "common/hemisphere.glsl"
@@ -28,10 +30,17 @@ float u1_split(vec3 wo) {
     return uniform_probability(wo.z);
 }
 
+LtcLobe lobe;
+vec2 frame;
+float probability; // of the uniform lobe
+
+void prepare(vec3 wo) {
+    lobe = eon_lobe(wo.z, roughness);
+    frame = azimuth(wo);
+    probability = uniform_probability(wo.z);
+}
+
 DirectionSample sample_direction(vec3 wo, vec2 u) {
-    LtcLobe lobe = eon_lobe(wo.z, roughness);
-    vec2 frame = azimuth(wo);
-    float probability = uniform_probability(wo.z);
     DirectionSample s;
     if (u.x < probability) { // never at probability 0, so u1 / P is not 0/0
         s = uniform_hemisphere(vec2(u.x / probability, u.y));
@@ -45,7 +54,6 @@ DirectionSample sample_direction(vec3 wo, vec2 u) {
 }
 
 float direction_pdf(vec3 wo, vec3 wi) {
-    float probability = uniform_probability(wo.z);
-    float lobe = cltc_density(eon_lobe(wo.z, roughness), to_azimuth_frame(wi, azimuth(wo)));
-    return wi.z >= 0.0 ? probability * UNIFORM_DENSITY + (1.0 - probability) * lobe : 0.0;
+    float clipped = cltc_density(lobe, to_azimuth_frame(wi, frame));
+    return wi.z >= 0.0 ? probability * UNIFORM_DENSITY + (1.0 - probability) * clipped : 0.0;
 }

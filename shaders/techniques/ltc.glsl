@@ -7,16 +7,26 @@ models = ["eon", "eon-approx", "fon"]
 uses = ["roughness"]
 below_horizon = true
 singular = ["the density is zero on a part of the hemisphere where the model is not, for every roughness above 0"]
+[left_out]
+"linear transformation" = { roughness = 0.0 }
 ---*/
 #include "common/frame.glsl"
 #include "common/ltc.glsl"
 
+LtcLobe lobe;
+vec2 frame;
+
+void prepare(vec3 wo) {
+    lobe = eon_lobe(wo.z, roughness);
+    frame = azimuth(wo);
+}
+
 DirectionSample sample_direction(vec3 wo, vec2 u) {
-    DirectionSample s = ltc_sample(eon_lobe(wo.z, roughness), u);
-    s.wi = from_azimuth_frame(s.wi, azimuth(wo));
+    DirectionSample s = ltc_sample(lobe, u);
+    s.wi = from_azimuth_frame(s.wi, frame);
     return s;
 }
 
 float direction_pdf(vec3 wo, vec3 wi) {
-    return ltc_density(eon_lobe(wo.z, roughness), to_azimuth_frame(wi, azimuth(wo)));
+    return ltc_density(lobe, to_azimuth_frame(wi, frame));
 }

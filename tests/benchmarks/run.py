@@ -29,6 +29,7 @@ from install import OUT, Peer, peers
 from service.engine import Engine
 from service.estimators.quadrature import quadrature
 from service.estimators.sampled import open_sampler
+from service.left_out import features_left_out, structure_without
 from service.moments import from_power_sums
 from service.reference_store import plan_reference
 from service.scene import Question, SeriesPlan, parse_scene, radians, resolve
@@ -113,7 +114,8 @@ def rates(engine: Engine, question: Question, samples: int, rounds: int) -> dict
         samplers = {}
         for plan in question.series:
             cells = series_cells(plan, question.scene)
-            opened = open_sampler(plan, engine, cells, 4, with_max=True, sobol=False)
+            structure = structure_without(features_left_out(plan, question.scene))
+            opened = open_sampler(plan, engine, cells, structure, sobol=False)
             samplers[plan.technique.name] = stack.enter_context(opened)[0]
         running: dict[str, Program] = {}
         for peer in peers():

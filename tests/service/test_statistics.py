@@ -240,15 +240,6 @@ def test_a_narrower_question_gives_the_same_bits(compute):
     assert mean["reference"] is None
 
 
-def test_what_was_not_asked_is_left_out_by_name(compute):
-    result = compute(techniques="cosine", theta_o_deg=[0], statistics="mean", estimator={"samples": 100})
-    assert {entry["feature"] for entry in result["left_out"]} == {
-        "third and fourth powers of the weight",
-        "largest weight",
-    }
-    assert all(entry["reason"] for entry in result["left_out"])
-
-
 @pytest.mark.parametrize("samples", [1, 2, 63, 64, 65, 16_384, 16_385])
 def test_any_number_of_samples_is_drawn_exactly(compute, samples):
     (series,) = compute(techniques="uniform", theta_o_deg=[30], estimator={"samples": samples})["series"]
