@@ -8,6 +8,8 @@ from collections.abc import Iterable
 from http import HTTPStatus
 from typing import Any
 
+from pydantic import BaseModel
+
 from service.api import problems as problem_details
 from service.api.representations import formats_of
 from service.catalogue import Catalogue, Parameter, load_catalogue
@@ -125,6 +127,11 @@ def result_responses() -> Responses:
     contents["application/json"] = {"schema": reference_to("AnyResult")}
     answer = {"description": "The result", "content": contents, "headers": _TAG}
     return {200: answer, 304: NOT_MODIFIED, **problems(406, 422, 429, 500, 503)}
+
+
+def own_responses(kind: str) -> Responses:
+    """Responses to a question about a file of one's own."""
+    return {status: part for status, part in answer_responses(kind).items() if status != 202} | problems(403)
 
 
 def format_parameter(kind: str = "statistics") -> Part:
@@ -283,6 +290,11 @@ def scene_body(kind: Kind) -> Part:
     """The body of a question."""
     content = {"application/json": {"schema": reference_to(kind.scene.__name__), "example": EXAMPLE_SCENE}}
     return {"required": True, "content": content}
+
+
+def model_body(model: type[BaseModel]) -> Part:
+    """A body that is described by a class."""
+    return {"required": True, "content": {"application/json": {"schema": reference_to(model.__name__)}}}
 
 
 def job_body() -> Part:

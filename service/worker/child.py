@@ -12,11 +12,13 @@ import socket
 import threading
 import time
 import traceback
+from collections.abc import Sequence
 from typing import Any
 
 from lavapipe import LavapipeError
 from service.engine import Engine
 from service.errors import BadInput, SamplerscopeError
+from service.isolation import OwnFileFailed
 from service.worker import protocol
 from service.worker.protocol import Message
 from service.worker.tasks import Stopped, Toil, do_task
@@ -92,12 +94,17 @@ class Worker:
 
 def _described(error: Exception) -> dict[str, Any]:
     """What the server may tell a client of an error (`message`, `problems`), and what only its log may (`trace`)."""
-    problems = error.problems if isinstance(error, BadInput) else ()
+    problems: Sequence[Any] = ()
+    if isinstance(error, BadInput):
+        problems = [{"field": p.field, "value": repr(p.value), "allowed": p.allowed} for p in error.problems]
+    elif isinstance(error, OwnFileFailed):
+        problems = error.problems
     known = isinstance(error, LavapipeError | SamplerscopeError)
     return {
         "type": type(error).__name__,
         "tree": [base.__name__ for base in type(error).__mro__],
         "message": str(error) if known else "",
-        "problems": [{"field": p.field, "value": repr(p.value), "allowed": p.allowed} for p in problems],
+        "problems": problems,
+        "diagnostics": error.diagnostics if isinstance(error, OwnFileFailed) else [],
         "trace": "" if problems else "".join(traceback.format_exception(error)),
     }
