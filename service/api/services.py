@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import math
 from collections.abc import Coroutine, Mapping
 from dataclasses import dataclass, field
@@ -102,6 +103,8 @@ class Services:
         """Start the workers and go on with unfinished jobs. Raises NoDevice."""
         await asyncio.gather(*(lane.start() for lane in (*self._answering(), self.background)))
         await self.jobs.resume()
+        # What is loaded by now stays: collections that walk through it would come between requests.
+        gc.freeze()
 
     async def stop(self) -> None:
         """Put jobs off, end the workers, store what is not stored yet."""
