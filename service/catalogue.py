@@ -24,7 +24,18 @@ SHADERS = Path(__file__).resolve().parent.parent / "shaders"
 
 RESERVED = frozenset(
     {
-        *("model", "parameters", "zip", "techniques", "angles", "theta_o_deg", "phi_o_deg", "statistics", "reference"),
+        *(
+            "model",
+            "preset",
+            "parameters",
+            "zip",
+            "techniques",
+            "angles",
+            "theta_o_deg",
+            "phi_o_deg",
+            "statistics",
+            "reference",
+        ),
         *("estimator", "method", "samples", "seed", "tolerance", "error_bars", "format"),
         *("target_error", "replicates", "estimators"),
     }
