@@ -65,7 +65,8 @@ def test_a_preset_with_azimuths_over_http_gives_the_json_of_the_command_line(ser
     view = "--theta-o-deg 0,60 --phi-o-deg 0,45"
     command = [sys.executable, "-c", "from service.cli import main; main()", *options.split(), *view.split()]
     printed = json.loads(subprocess.run([*command, "--format", "json"], capture_output=True, check=True).stdout)
-    link = "preset=red-velvet&kd=0.1,0.2&ks=0.3,0.1&zip=kd,ks&techniques=cosine&samples=2000&theta_o_deg=0,60&phi_o_deg=0,45"
+    link = "preset=red-velvet&kd=0.1,0.2&ks=0.3,0.1&zip=kd,ks&techniques=cosine"
+    link += "&theta_o_deg=0,60&phi_o_deg=0,45&samples=2000"
     answered = server.client.get(f"/v1/statistics?{link}")
     while answered.status_code == 202:
         server.await_job(answered.headers["location"])
