@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from types import TracebackType
 from typing import Literal, get_args
@@ -23,6 +23,8 @@ class Engine:
         self.device = device
         self.catalogue = catalogue
         self.cache = cache
+        self.pause: Callable[[], None] = lambda: None
+        """Called whenever a pipeline is asked for, which every step of long work begins with; it may raise."""
         self._compiled: dict[tuple[Entry, Entry, Job, Precision], bytes | CompileError] = {}
         self._pipelines: dict[tuple[object, ...], Pipeline] = {}
         self._warm: set[Pipeline] = set()
@@ -55,6 +57,7 @@ class Engine:
         precision: Precision = "float",
     ) -> Pipeline:
         """The pipeline of a job for a model and a technique, built once. CompileError has the file's own lines."""
+        self.pause()
         constants = dict(specialization or {})
         key = (model, technique, job, precision, tuple(sorted(constants.items())))
         if key not in self._pipelines:

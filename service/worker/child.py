@@ -13,7 +13,7 @@ import socket
 import threading
 import time
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from lavapipe import LavapipeError
@@ -58,19 +58,26 @@ class Worker:
 
     def _serve(self, engine: Engine | None) -> int:
         while True:
-            task = self._tasks.get()
-            number = task.head["id"]
-            toil = Toil(task, engine, self._say, self._stops)
-            begin = time.perf_counter()
-            try:
-                head, blobs = do_task(toil)
-                head["busy_ms"] = 1e3 * (time.perf_counter() - begin)
-                self._say("done", blobs, id=number, **head)
-            except Stopped:
-                self._say("stopped", id=number)
-            except Exception as error:
-                self._say("failed", id=number, error=_described(error))
-            self._stops.discard(number)
+            self._do(self._tasks.get(), engine, lambda: self._serve_guests(engine))
+
+    def _serve_guests(self, engine: Engine | None) -> None:
+        """Do what the server sent while a task was under way: it knows that this is to go first."""
+        while not self._tasks.empty():
+            self._do(self._tasks.get(), engine, lambda: None)
+
+    def _do(self, task: Message, engine: Engine | None, give_way: Callable[[], None]) -> None:
+        number = task.head["id"]
+        toil = Toil(task, engine, self._say, self._stops, give_way)
+        begin = time.perf_counter()
+        try:
+            head, blobs = do_task(toil)
+            head["busy_ms"] = 1e3 * (time.perf_counter() - begin)
+            self._say("done", blobs, id=number, **head)
+        except Stopped:
+            self._say("stopped", id=number)
+        except Exception as error:
+            self._say("failed", id=number, error=_described(error))
+        self._stops.discard(number)
 
     def _read(self) -> None:
         with self._connection.makefile("rb") as stream:

@@ -34,19 +34,23 @@ class Stopped(BaseException):
 
 @dataclass
 class Toil:
-    """A task being done: what was asked, the engine, a way to speak, and the numbers of the tasks to stop."""
+    """A task being done: what was asked, the engine, a way to speak, the numbers of the tasks to stop, and what lets
+    other tasks go first.
+    """
 
     task: Message
     engine: Engine | None
     speak: Callable[..., None]
     stops: set[int] = field(default_factory=set)
+    give_way: Callable[[], None] = lambda: None
 
     def say(self, say: str, *blobs: bytes, **head: Any) -> None:
         """Send a message about this task."""
         self.speak(say, blobs, id=self.task.head["id"], **head)
 
     def check_stop(self) -> None:
-        """Raise Stopped where this task is to end."""
+        """Let others go first where the server sent some, and raise Stopped where this task is to end."""
+        self.give_way()
         if self.task.head["id"] in self.stops:
             raise Stopped
 
@@ -65,7 +69,11 @@ def _answer(toil: Toil) -> Answer:
     progress = _Progress(toil, question)
     more = {"journal": progress.journal} if kind.resumable else {}
     begin = time.perf_counter()
-    result = kind.compute(question, toil.engine, progress.advance, **more)
+    before, toil.engine.pause = toil.engine.pause, toil.check_stop
+    try:
+        result = kind.compute(question, toil.engine, progress.advance, **more)
+    finally:
+        toil.engine.pause = before
     computed = time.perf_counter()
     content = formats.encode(result, "json")
     run = result.get("run", {})
