@@ -53,6 +53,7 @@ def compute_stability(question: Question, engine: Engine, progress: Progress = l
         "scene": scene.model_dump(mode="json"),
         "status": "fail" if any(check["status"] == "fail" for check in found["checks"]) else "pass",
         **found,
+        "left_out": [],
         "run": {
             "device": info.name,
             "driver": info.driver_version,

@@ -27,6 +27,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from calibration import calibrate
 from false_alarms import count, describe
 from install import OUT, Peer, peers
+from variants import variants
 
 from service.engine import Engine
 from service.estimators.quadrature import quadrature
@@ -63,6 +64,7 @@ def main() -> None:
         alarms, runs = count(engine, range(1, given.batteries + 1))
         print("\n" + describe(alarms, runs, time.perf_counter() - begin))
         report["false_alarms"] = {"alarms": dict(alarms), "batteries": runs}
+        report["variants"] = variants(engine)
     OUT.mkdir(parents=True, exist_ok=True)
     (OUT / "bench.json").write_text(json.dumps(report, indent=1) + "\n")
 
