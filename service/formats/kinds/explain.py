@@ -63,9 +63,7 @@ def _shader(shader: Mapping[str, Any], series: int) -> list[str]:
             f"  {one['feature']:<{_NAME}}{saves['ns_per_sample']:>9.3f}{f'{low:.3f} to {high:.3f}':>18}"
             f"{saves['instructions']:>14,}  "
         )
-        lines += textwrap.wrap(
-            line + one["reason"], _WIDTH + 20, subsequent_indent=" " * len(line), drop_whitespace=False
-        )
+        lines += textwrap.wrap(line + one["reason"], _WIDTH, subsequent_indent=" " * len(line), drop_whitespace=False)
     return [*lines, ""]
 
 
