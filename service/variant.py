@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from functools import cache
 from typing import Literal
 
 from service import glsl
@@ -69,7 +69,7 @@ def compose(
             _optional("U1_SPLIT", "u1_split", techniques[0], f"{prefixes[0]}_u1_split(wo)"),
             '#include "common/weight.glsl"\n',
             f'#line 1 "{job}.comp"\n',
-            _job_text(job),
+            job_texts()[job],
         ]
     )
     includes = {
@@ -77,11 +77,17 @@ def compose(
         "variant/load_parameters.glsl": _loader(parameters, slots, fixable=precision == "float"),
         "variant/draw_parameters.glsl": _drawer(parameters, slots),
     }
-    name = f"{model.name}+{'+'.join(technique.name for technique in techniques)}.{job}"
+    name = variant_name(model, techniques, job, precision)
     if precision == "double":
         includes = {key: part if key in _NOT_WIDENED else widen(part) for key, part in includes.items()}
-        return Variant(_LANGUAGE + _DOUBLE + widen(text), includes, parameters, f"{name}.double")
+        return Variant(_LANGUAGE + _DOUBLE + widen(text), includes, parameters, name)
     return Variant(_LANGUAGE + text, includes, parameters, name)
+
+
+def variant_name(model: Entry, techniques: Sequence[Entry], job: str, precision: Precision = "float") -> str:
+    """What errors call a variant."""
+    name = f"{model.name}+{'+'.join(technique.name for technique in techniques)}.{job}"
+    return f"{name}.double" if precision == "double" else name
 
 
 def _part(entry: Entry, role: Role, prefix: str) -> str:
@@ -139,5 +145,7 @@ def _drawer(parameters: Sequence[str], slots: Sequence[tuple[str, str]]) -> str:
     return head + "".join(lines) + f"    return {total};\n}}\n"
 
 
-def _job_text(job: str) -> str:
-    return Path(SHADERS / f"{job}.comp").read_text(encoding="utf-8")
+@cache
+def job_texts() -> dict[str, str]:
+    """The text of every job by its name."""
+    return {path.stem: path.read_text(encoding="utf-8") for path in SHADERS.glob("*.comp")}

@@ -64,7 +64,8 @@ def compute_convergence(question: Question, engine: Engine, progress: Progress =
 def _costs(question: Question, engine: Engine) -> tuple[dict[str, Cost], float]:
     """What drawing and weighing one direction costs, for every technique of the scene; repeats interleaved."""
     plans = {plan.technique.name: plan for plan in question.series}
-    found, built_ms = measure_costs(engine, [Loop(plan.model, plan.technique, "sample") for plan in plans.values()])
+    loops = [Loop(plan.model, plan.technique, "sample") for plan in plans.values()]
+    found, built_ms = measure_costs(engine, loops, progress=lambda *_: engine.pause())
     return dict(zip(plans, found, strict=True)), built_ms
 
 

@@ -8,6 +8,7 @@ import click
 
 from service.cli.delivery import ProgressLine, deliver
 from service.cli.options import is_file, output_options, scene_data, scene_options
+from service.cli.own_file import answer_for_file
 
 
 @click.command()
@@ -17,19 +18,9 @@ def explain(format_: str | None, outputs: tuple[str, ...], device: str | None, *
     """What the shaders of a scene leave out, and what that saves: measured beside those that keep everything."""
     path = options["model"]
     if is_file(path):
-        deliver(lambda: explanation_of_file(path, options, device), format_, outputs)
+        deliver(lambda: answer_for_file("explain", path, scene_data(**options), device), format_, outputs)
         return
     deliver(lambda: explanation_of(scene_data(**options), device), format_, outputs)
-
-
-def explanation_of_file(path: str, options: dict[str, Any], device: str | None) -> dict[str, Any]:
-    """Explain a scene whose model, or technique, is a user's file, in a process of its own."""
-    from service.isolation import run_isolated
-    from service.isolation.tasks import file_scene
-
-    scene = file_scene(path, scene_data(**options))
-    with ProgressLine() as progress:
-        return run_isolated("explain", {"file": path, "scene": scene, "device": device}, progress)
 
 
 def explanation_of(data: dict[str, Any], device: str | None) -> dict[str, Any]:
