@@ -1,4 +1,6 @@
-"""What leaving things out saves: variants beside shaders that keep everything. `python -m tests.benchmarks.variants`.
+"""What leaving things out saves: variants beside the shaders that keep everything.
+
+Run it by itself with `python -m tests.benchmarks.variants`.
 
 The scenes have between them every kind of feature that can be left out. Of the first a factor is promised.
 """
