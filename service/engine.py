@@ -12,8 +12,8 @@ from service.catalogue import Catalogue, Entry, load_catalogue
 from service.variant import Precision, compose, variant_name
 
 Job = Literal["statistics", "probe", "quadrature", "cost"]
-_BUFFERS: Mapping[Job, int] = {"statistics": 4, "probe": 4, "quadrature": 6, "cost": 2}
-_PUSH_CONSTANT_BYTES: Mapping[Job, int] = {"statistics": 16, "probe": 8, "quadrature": 4, "cost": 8}
+BUFFERS: Mapping[Job, int] = {"statistics": 4, "probe": 4, "quadrature": 6, "cost": 2}
+PUSH_CONSTANT_BYTES: Mapping[Job, int] = {"statistics": 16, "probe": 8, "quadrature": 4, "cost": 8}
 
 
 class Engine:
@@ -63,8 +63,8 @@ class Engine:
         if key not in self._pipelines:
             self._pipelines[key] = self.device.pipeline(
                 self._spirv(model, technique, job, precision),
-                buffers=_BUFFERS[job],
-                push_constant_bytes=_PUSH_CONSTANT_BYTES[job],
+                buffers=BUFFERS[job],
+                push_constant_bytes=PUSH_CONSTANT_BYTES[job],
                 specialization=constants,
                 name=variant_name(model, [technique], job, precision),
             )

@@ -65,7 +65,6 @@ def compose(
             *(_part(one, "technique", prefix) for one, prefix in zip(techniques, prefixes, strict=True)),
             '#line 1 "variant"\n',
             _chooser(prefixes) if len(techniques) > 1 else "",
-            _preparations(model, techniques, prefixes),
             _optional("ALBEDO_OF_VIEW", "directional_albedo", model, "model_directional_albedo(wo.z)"),
             _optional("U1_SPLIT", "u1_split", techniques[0], f"{prefixes[0]}_u1_split(wo)"),
             '#include "common/weight.glsl"\n',
@@ -112,17 +111,6 @@ def _chooser(prefixes: Sequence[str]) -> str:
         f"DirectionSample technique_sample_direction(vec3 wo, vec2 u) {{\n{calls}"
         f"    return {prefixes[-1]}_sample_direction(wo, u);\n}}\n"
     )
-
-
-def _preparations(model: Entry, techniques: Sequence[Entry], prefixes: Sequence[str]) -> str:
-    """The functions that form what depends on view and parameters alone, empty where a file forms nothing."""
-    first = "model_prepare(wo);" if "prepare" in model.declared else ""
-    calls = [
-        (f"if (TECHNIQUE == {i}u) " if len(techniques) > 1 else "") + f"{prefix}_prepare(wo);"
-        for i, (technique, prefix) in enumerate(zip(techniques, prefixes, strict=True))
-        if "prepare" in technique.declared
-    ]
-    return f"void prepare_model(vec3 wo) {{ {first} }}\nvoid prepare_technique(vec3 wo) {{ {' '.join(calls)} }}\n"
 
 
 def _loader(parameters: Sequence[str], slots: Sequence[tuple[str, str]], fixable: bool) -> str:

@@ -100,7 +100,7 @@ JOB_ACCEPTED: Part = {
 
 
 def _contents(kind: str) -> Part:
-    schema = "StatisticsResult" if kind == "statistics" else "AnyResult"
+    schema = {"statistics": "StatisticsResult", "explain": "ExplainResult"}.get(kind, "AnyResult")
     contents: Part = {}
     for name in formats_of(kind):
         entry = FORMATS[name]

@@ -83,6 +83,46 @@ class StatisticsResult(BaseModel):
     run: dict[str, Any]
 
 
+class ShaderFigures(BaseModel):
+    """Size and speed of the shader that answers a series, on average over the series.
+
+    `spirv_bytes` and `instructions` are after specialization, `module_bytes` before; `ns_per_sample` is time of one
+    driver thread.
+    """
+
+    module_bytes: int
+    spirv_bytes: int
+    instructions: int
+    compile_ms: float
+    ns_per_sample: float
+
+
+class Saving(BaseModel):
+    """What leaving out one feature saves of the full shader, on average over the series."""
+
+    ns_per_sample: float
+    instructions: int
+
+
+class ExplainedFeature(LeftOut):
+    """What shaders left out, and what that saves by itself."""
+
+    saves: Saving
+
+
+class ExplainResult(BaseModel):
+    """What the shaders of a scene leave out, measured beside those that keep everything."""
+
+    kind: Literal["explain"]
+    scene: dict[str, Any]
+    series: list[dict[str, Any]]
+    left_out: list[ExplainedFeature]
+    variant: ShaderFigures
+    full: ShaderFigures
+    shaders: list[dict[str, Any]]
+    run: dict[str, Any]
+
+
 class AnyResult(BaseModel):
     """A result: its kind says what else it holds."""
 
@@ -228,6 +268,7 @@ class OwnScene(_OwnFile):
 
 MODELS: tuple[type[BaseModel], ...] = (
     StatisticsResult,
+    ExplainResult,
     AnyResult,
     CatalogueResult,
     Figures,

@@ -14,6 +14,7 @@ from service.checks.battery import Battery, run_battery
 from service.checks.replaying import replay_inputs
 from service.checks.selection import Subject, select
 from service.engine import Engine
+from service.explain import compute_explanation, parse_explain_scene
 from service.scene import parse_scene, resolve
 from service.stability import compute_stability
 from service.statistics import compute_statistics
@@ -67,6 +68,15 @@ def stability(arguments: Arguments, progress: Progress, seal: Seal = stay_open) 
     return _of_scene(compute_stability, arguments, progress, seal)
 
 
+def explain(arguments: Arguments, progress: Progress, seal: Seal = stay_open) -> dict[str, Any]:
+    """What the shaders of a scene leave out, whose model or technique is a user's file.
+
+    It is not sealed: compiling anew, on a device of its own, is part of what it measures.
+    """
+    parse_explain_scene(arguments["scene"])
+    return _of_scene(compute_explanation, arguments, progress, stay_open)
+
+
 def _of_scene(
     compute: Callable[..., dict[str, Any]], arguments: Arguments, progress: Progress, seal: Seal
 ) -> dict[str, Any]:
@@ -89,4 +99,5 @@ TASKS: Mapping[str, Callable[[Arguments, Progress, Seal], dict[str, Any]]] = {
     "replay": replay,
     "statistics": statistics,
     "stability": stability,
+    "explain": explain,
 }
