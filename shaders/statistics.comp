@@ -11,7 +11,7 @@ layout(constant_id = 1) const bool WITH_MAX = true;
 layout(constant_id = 2) const bool SCRAMBLED_SOBOL = false; // in place of random numbers; the key scrambles
 layout(constant_id = 3) const bool WITH_ZEROS = true;
 layout(constant_id = 4) const bool WITH_FIRST_BAD = true;
-layout(constant_id = 5) const bool PREPARED_ONCE = false;   // for the view, rather than for each sample
+layout(constant_id = 5) const bool FORMED_ONCE = false;     // what depends on the view alone, not for every sample
 
 struct Cell {
     vec4 view;   // wo, and the shift about which powers are summed
@@ -44,11 +44,6 @@ struct Tally {
 };
 
 const Tally NOTHING = Tally(0.0, 0.0, 0.0, 0.0, -3.402823466e38, 0u, 0u, 0xffffffffu);
-
-void prepare(vec3 wo) {
-    prepare_model(wo);
-    prepare_technique(wo);
-}
 
 // Adds sample `index` of the block.
 void add_sample(inout Tally t, DirectionSample s, float weight, uint index, float shift) {
@@ -83,7 +78,6 @@ void main() {
     float shift = cells[cell].view.w;
     uvec2 key = cells[cell].key.xy;
     load_parameters(cell);
-    prepare(wo);
 
     uint samples = block == last_block ? last_samples : BLOCK_SAMPLES;
     uint fours = samples / 4u, rest = samples % 4u;
@@ -97,11 +91,15 @@ void main() {
     Tally t = NOTHING;
     if (lane < rest) t = with_left;
 
+    if (!FORMED_ONCE) { // the compiler does not know that the number of a group along z is 0, and so that nothing changes
+        wo = view_direction(cells[cell + gl_WorkGroupID.z].view.xyz);
+        load_parameters(cell + gl_WorkGroupID.z);
+    }
+
     // Four samples at a time, stage by stage: a processor looks some 200 instructions ahead, and so works at all of them
     // while one would wait for its own results.
     uint n = lane;
     for (; n < fours; n += LANES) {
-        if (!PREPARED_ONCE) prepare(wo);
         vec4 u = sample_numbers(2u * n, block, key), v = sample_numbers(2u * n + 1u, block, key);
         DirectionSample a = technique_sample_direction(wo, u.xy), b = technique_sample_direction(wo, u.zw);
         DirectionSample c = technique_sample_direction(wo, v.xy), d = technique_sample_direction(wo, v.zw);

@@ -40,15 +40,9 @@ float average_missing_energy() {
     return max(fon_amplitude(roughness) * roughness * (FON_C1 - FON_C2), CLAMP);
 }
 
-float strength; // of the multiple-scattering lobe, for this view
-
-void prepare(vec3 wo) {
-    strength = INV_PI * eon_multiple_scattering_albedo(albedo, roughness) / average_missing_energy()
-        * fitted_missing_energy(wo.z);
-}
-
 float brdf(vec3 wi, vec3 wo) {
-    float multiple = strength * fitted_missing_energy(wi.z);
+    float strength = INV_PI * eon_multiple_scattering_albedo(albedo, roughness) / average_missing_energy();
+    float multiple = strength * fitted_missing_energy(wo.z) * fitted_missing_energy(wi.z);
     return wi.z > 0.0 && wo.z > 0.0 ? albedo * fon_lobe(wi, wo, roughness) + multiple : 0.0;
 }
 

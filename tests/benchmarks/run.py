@@ -3,7 +3,7 @@
 Every peer first has to give the same means and variances as the float64 reference. Then all run in turn, round after
 round; a ratio is the median of the rounds' ratios, and is compared with the recorded one: exit code 1 where a technique
 has become more than 10 % slower against the peers. Then the time to an error of a thousandth, by sampling and by the
-quadrature, how time and memory grow, and whether intervals hold what they say.
+quadrature, how time and memory grow, whether intervals hold what they say, and whether the battery raises false alarms.
 """
 
 from __future__ import annotations
@@ -27,7 +27,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 import growth
 import recorded
 from calibration import calibrate
+from false_alarms import count, describe
 from install import OUT, Peer, peers
+from variants import variants
 
 from service.engine import Engine
 from service.estimators.quadrature import quadrature
@@ -52,6 +54,7 @@ def main() -> None:
     options.add_argument("--seeds", type=int, default=60, help="of the calibration of intervals")
     options.add_argument("--ratios-only", action="store_true", help="nothing after the comparison with the peers")
     options.add_argument("--record", action="store_true", help="make the measured ratios the recorded ones")
+    options.add_argument("--batteries", type=int, default=12, help="seeds of the battery on correct samplers")
     given = options.parse_args()
     with Engine.open() as engine:
         scene = {"model": "eon", "parameters": {"roughness": 1}, "techniques": list(TECHNIQUES)}
@@ -61,12 +64,23 @@ def main() -> None:
         report = {"rates": rates(engine, question, given.samples, given.rounds)}
         fallen = compare_with_record(report["rates"]["cpu_ratios"], engine.device.info.name, given.record)
         if not given.ratios_only:
-            report["to_error"] = time_to_error(engine, question, report["rates"])
-            growth.write(growth.growth(engine))
-            report["calibration"] = calibrate(engine, given.seeds)
+            report |= the_rest(engine, question, report["rates"], given)
     OUT.mkdir(parents=True, exist_ok=True)
     (OUT / "bench.json").write_text(json.dumps(report, indent=1) + "\n")
     sys.exit(1 if fallen else 0)
+
+
+def the_rest(engine: Engine, question: Question, measured: dict, given: argparse.Namespace) -> dict:
+    """All that follows the rates: see the head of this file."""
+    report = {"to_error": time_to_error(engine, question, measured)}
+    growth.write(growth.growth(engine))
+    report["calibration"] = calibrate(engine, given.seeds)
+    begin = time.perf_counter()
+    alarms, runs = count(engine, range(1, given.batteries + 1))
+    print("\n" + describe(alarms, runs, time.perf_counter() - begin))
+    report["false_alarms"] = {"alarms": dict(alarms), "batteries": runs}
+    report["variants"] = variants(engine)
+    return report
 
 
 def compare_with_record(ratios: dict[str, dict[str, list[float]]], device: str, record: bool) -> bool:
