@@ -34,7 +34,7 @@ SHORT_S = 0.5
 def growth(engine: Engine) -> dict:
     """Nanoseconds a sample, elapsed and of all cores together, and megabytes of the process, for each size."""
     found: dict[str, dict] = {}
-    print("growth of mc, EON at roughness 1: nanoseconds a sample, elapsed and CPU; megabytes of the process")
+    print("growth of mc, EON at default parameters: nanoseconds a sample, elapsed and CPU; megabytes of the process")
     for technique in TECHNIQUES:
         found[technique] = {
             "samples": [_measured(engine, technique, 1, samples) for samples in SAMPLES],
@@ -71,22 +71,28 @@ def _resident_mb() -> float:
 
 
 def chart(found: dict) -> AnyChart:
-    """Time a sample over samples and over angles, and memory over samples."""
+    """CPU time a sample over samples and over angles, and memory over samples."""
     panels = (
-        ("samples", "samples", "samples of one angle", "elapsed_ns", "ns a sample, elapsed"),
-        ("angles", "angles", f"angles of {SAMPLES_AN_ANGLE:,} samples", "elapsed_ns", "ns a sample, elapsed"),
-        ("samples", "samples", "samples of one angle", "resident_mb", "MB of the process"),
+        ("samples", "samples of one angle", "cpu_ns", "CPU time a sample (ns)"),
+        ("angles", f"angles of {SAMPLES_AN_ANGLE:,} samples", "cpu_ns", "CPU time a sample (ns)"),
+        ("samples", "samples of one angle", "resident_mb", "memory of the process (MB)"),
     )
     colours = [colour for colour, _ in style.technique_styles(list(found))]
     legend = alt.Color("technique:N", scale=alt.Scale(domain=list(found), range=colours), title=None)
     parts = []
-    for sweep, size, size_title, value, title in panels:
-        rows = [{"technique": name, size: row[size], value: row[value]} for name in found for row in found[name][sweep]]
-        x = alt.X(f"{size}:Q", title=size_title, scale=alt.Scale(type="log", base=4), axis=alt.Axis(format=".2s"))
-        y = alt.Y(f"{value}:Q", title=title, scale=alt.Scale(domainMin=0))
-        line = alt.Chart(alt.InlineData(values=rows)).mark_line(point=True, clip=True).encode(x=x, y=y, color=legend)
-        parts.append(line.properties(width=style.PANEL_WIDTH, height=style.PANEL_HEIGHT))
-    whole: AnyChart = alt.hconcat(*parts).properties(title="Growth of mc", config=style.config())
+    for sweep, size_title, value, title in panels:
+        rows = [
+            {"technique": name, sweep: row[sweep], value: row[value]} for name in found for row in found[name][sweep]
+        ]
+        ticks = alt.Axis(values=[row[sweep] for row in rows], labelExpr="'2^' + round(log(datum.value) / LN2)")
+        x = alt.X(f"{sweep}:Q", title=size_title, scale=alt.Scale(type="log", base=2, nice=False), axis=ticks)
+        top = 1.1 * max(row[value] for row in rows)
+        y = alt.Y(f"{value}:Q", title=title, scale=alt.Scale(domain=[0, top], nice=False))
+        line = alt.Chart(alt.InlineData(values=rows)).mark_line(point=True).encode(x=x, y=y, color=legend)
+        parts.append(line.properties(width=1.3 * style.PANEL_WIDTH, height=style.PANEL_HEIGHT))
+    whole: AnyChart = alt.hconcat(*parts).properties(
+        title="Growth of mc: EON at default parameters", config=style.config()
+    )
     return whole
 
 
