@@ -25,6 +25,8 @@ from service.statistics import series_cells
 
 TECHNIQUES = ("cosine", "cltc-mis")
 SAMPLES = [1 << power for power in range(16, 33, 2)]
+MOST_AT_ONCE = 1 << 30
+"""Samples of 64 angles together; beyond, there are fewer angles, down to one."""
 ANGLES = [1, 4, 16, 64, 256, 1024, 4096]
 SAMPLES_AN_ANGLE = 1 << 16
 SHORT_S = 0.5
@@ -37,10 +39,14 @@ def growth(engine: Engine) -> dict:
     print("growth of mc, EON at default parameters: nanoseconds a sample, elapsed and CPU; megabytes of the process")
     for technique in TECHNIQUES:
         found[technique] = {
-            "samples": [_measured(engine, technique, 1, samples) for samples in SAMPLES],
+            "samples": [_measured(engine, technique, _angles_for(samples), samples) for samples in SAMPLES],
             "angles": [_measured(engine, technique, angles, SAMPLES_AN_ANGLE) for angles in ANGLES],
         }
     return found
+
+
+def _angles_for(samples: int) -> int:
+    return max(1, min(64, MOST_AT_ONCE // samples))
 
 
 def _measured(engine: Engine, technique: str, angles: int, samples: int) -> dict:
@@ -73,9 +79,9 @@ def _resident_mb() -> float:
 def chart(found: dict) -> AnyChart:
     """CPU time a sample over samples and over angles, and memory over samples."""
     panels = (
-        ("samples", "samples of one angle", "cpu_ns", "CPU time a sample (ns)"),
+        ("samples", "samples of each angle", "cpu_ns", "CPU time a sample (ns)"),
         ("angles", f"angles of {SAMPLES_AN_ANGLE:,} samples", "cpu_ns", "CPU time a sample (ns)"),
-        ("samples", "samples of one angle", "resident_mb", "memory of the process (MB)"),
+        ("samples", "samples of each angle", "resident_mb", "memory of the process (MB)"),
     )
     colours = [colour for colour, _ in style.technique_styles(list(found))]
     legend = alt.Color("technique:N", scale=alt.Scale(domain=list(found), range=colours), title=None)
