@@ -5,7 +5,7 @@ OUT := out
 COMPILE := $(BIN)/uv pip compile --quiet --upgrade --generate-hashes --python-version 3.11 --custom-compile-command 'make lock'
 
 .DEFAULT_GOAL := help
-.PHONY: help setup stats figures docs browser test bench bench-http bench-checks lint container container-test lock clean
+.PHONY: help setup stats figures docs browser test bench bench-record bench-http bench-checks lint container container-test lock clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 16
@@ -41,6 +41,9 @@ test: setup browser  ## prove it right, on the real driver
 bench: setup  ## speed and calibration beside NumPy, Numba, Dr.Jit and C++, brought on demand; minutes
 	$(BIN)/python tests/benchmarks/run.py
 
+bench-record: setup  ## measure the ratios to the peers and make them the recorded ones; on a quiet machine
+	$(BIN)/python tests/benchmarks/run.py --ratios-only --rounds 15 --record
+
 lint: setup  ## style and types
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -50,7 +53,8 @@ bench-http: setup  ## load on the HTTP service, and thousands of generated reque
 	$(BIN)/python -m tests.benchmarks.http_load
 	SAMPLERSCOPE_TEST_CASES=300 $(BIN)/pytest -s --timeout 1800 tests/service/api/test_openapi.py
 
-bench-checks: setup  ## count false alarms of the battery over a thousand runs; half an hour
+bench-checks: setup  ## the battery on every pair of the catalogue, and its false alarms in a thousand runs; an hour
+	$(BIN)/python -m tests.benchmarks.catalogue_checks
 	$(BIN)/python -m tests.benchmarks.false_alarms
 
 container:  ## build the image, with docker or else with buildah

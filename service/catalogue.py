@@ -24,7 +24,18 @@ SHADERS = Path(__file__).resolve().parent.parent / "shaders"
 
 RESERVED = frozenset(
     {
-        *("model", "parameters", "zip", "techniques", "angles", "theta_o_deg", "phi_o_deg", "statistics", "reference"),
+        *(
+            "model",
+            "preset",
+            "parameters",
+            "zip",
+            "techniques",
+            "angles",
+            "theta_o_deg",
+            "phi_o_deg",
+            "statistics",
+            "reference",
+        ),
         *("estimator", "method", "samples", "seed", "tolerance", "error_bars", "format"),
         *("target_error", "replicates", "estimators"),
     }
@@ -131,8 +142,14 @@ class Catalogue:
         return found
 
     def with_file(self, path: Path) -> Catalogue:
-        """This catalogue and one more file, which may replace an entry of the same name."""
-        entry = read_own_file(path)
+        """This catalogue and one more file, which may replace an entry of the same name. Raises as `own_text` and
+        `own_entry` do.
+        """
+        return self.with_text(own_text(path), str(path))
+
+    def with_text(self, text: str, origin: str) -> Catalogue:
+        """This catalogue and the file of this text; `origin` is how errors call it."""
+        entry = own_entry(text, origin)
         return Catalogue(
             models={**self.models, **_provided([entry], "model")},
             techniques={**self.techniques, **_provided([entry], "technique")},
@@ -140,20 +157,24 @@ class Catalogue:
         )
 
 
-def read_own_file(path: Path) -> Entry:
-    """The entry of a user's file. BadInput where it cannot be read; ShaderFileError where it breaks the contract."""
+def own_text(path: Path) -> str:
+    """The text of a user's file. BadInput where it cannot be read."""
     try:
         if path.stat().st_size > OWN_FILE_BYTES:
             raise BadInput(Problem("file", str(path), f"at most {OWN_FILE_BYTES:,} bytes"))
-        text = path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
         raise BadInput(Problem("file", str(path), f"a shader file that can be read ({reason})")) from None
-    entry = replace(read_entry(text, str(path)), own=True)
+
+
+def own_entry(text: str, origin: str) -> Entry:
+    """The entry of a user's file. ShaderFileError where it breaks the contract."""
+    entry = replace(read_entry(text, origin), own=True)
     for line, word in glsl.words(text):
         if word in _RESOURCES:
             raise ShaderFileError(
-                f"{path}:{line}: {word}: a model or technique has no buffers, layouts or shared memory"
+                f"{origin}:{line}: {word}: a model or technique has no buffers, layouts or shared memory"
             )
     return entry
 

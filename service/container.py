@@ -62,6 +62,7 @@ def warm(*, everything: bool) -> None:
     """
     from service.catalogue import load_catalogue
     from service.engine import Engine, Job
+    from service.explain.shaders import whole_shader
     from service.plotting_library import plotting_library
     from service.scene import parse_scene, resolve
     from service.statistics import compute_statistics
@@ -71,7 +72,12 @@ def warm(*, everything: bool) -> None:
     with Engine.open(catalogue) as engine:
         for model in catalogue.models.values():
             scene = {"model": model.name, "theta_o_deg": [0], "estimator": {"samples": 1}, "reference": False}
-            compute_statistics(resolve(parse_scene(scene), catalogue), engine)
+            within = {name: (one.min + one.max) / 2 for name, one in model.head.parameters.items()}
+            for parameters in ({}, within):  # defaults are ends of ranges, where parts of a shader drop out
+                question = resolve(parse_scene(scene | {"parameters": parameters}), catalogue)
+                compute_statistics(question, engine)
+            if everything:
+                whole_shader(engine, question, question.series[0])
             for technique in map(catalogue.technique, catalogue.techniques_for(model.name) if everything else ()):
                 for job in get_args(Job):
                     engine.pipeline(model, technique, job)

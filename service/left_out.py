@@ -55,8 +55,10 @@ def structural_features(plan: SeriesPlan) -> tuple[Feature, ...]:
     )
 
 
-def error_curve_features(plan: SeriesPlan) -> tuple[Feature, ...]:
+def error_curve_features(plan: SeriesPlan, method: str) -> tuple[Feature, ...]:
     """What the shader of an error curve leaves out: it needs mean and variance of each replicate."""
+    if method == "quadrature":
+        return structural_features(plan)
     reason = "an error curve is made of means and variances"
     curve = (
         Feature("third and fourth powers of the weight", reason, {"moments": 2}),
@@ -86,8 +88,8 @@ _FIRST_BAD = Feature(
 )
 _ONCE = Feature(
     "terms of the view in every sample",
-    "they are formed once for a view, by the functions `prepare`",
-    {"prepared_for": "view"},
+    "they are the same for every sample, and formed once",
+    {"formed_once": True},
 )
 
 
@@ -122,7 +124,7 @@ def _never_needed(scene: Scene) -> Iterator[Feature]:
     yield _FIRST_BAD
     yield _ONCE
     if scene.techniques is not None and len(scene.techniques) > 1:
-        yield Feature("the other techniques", "each technique has a shader of its own", {"together": False})
+        yield Feature("the other techniques", "each technique has a module of its own", {"together": False})
 
 
 def _of_view_and_horizon(plan: SeriesPlan) -> Iterator[Feature]:

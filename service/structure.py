@@ -35,9 +35,10 @@ class Structure:
 
     moments: the highest power of the weight that is summed, 0 to 4. largest, zeros, first_bad: whether the largest
     weight, the count of zero weights and the index of the first non-finite sample are kept. horizon: whether wi is
-    tested for being below the horizon. azimuth: whether wo may leave the x-z plane. prepared_for: what the `prepare`
-    functions form anew, for each sample or once for a view. fixed: parameters that are compiled in. together: whether
-    all techniques of the scene are in one shader. drawn: False where the answer is known without a sample.
+    tested for being below the horizon. azimuth: whether wo may leave the x-z plane. formed_once: whether what depends
+    on the view alone is formed once for a view and not for every sample. fixed: parameters that are compiled in.
+    together: whether all techniques of the scene are in one shader. drawn: False where the answer is known without a
+    sample.
     """
 
     moments: int = 4
@@ -46,7 +47,7 @@ class Structure:
     first_bad: bool = True
     horizon: bool = True
     azimuth: bool = True
-    prepared_for: Literal["sample", "view"] = "sample"
+    formed_once: bool = False
     fixed: frozenset[Fixed] = frozenset()
     together: bool = True
     drawn: bool = True
@@ -73,7 +74,7 @@ class Structure:
             2: sobol,
             3: self.zeros,
             4: self.first_bad,
-            5: self.prepared_for == "view",
+            5: self.formed_once,
         }
         return own | self.shared_constants(model, techniques, chosen)
 

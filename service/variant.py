@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from functools import cache
 from typing import Literal
 
 from service import glsl
@@ -65,12 +65,11 @@ def compose(
             *(_part(one, "technique", prefix) for one, prefix in zip(techniques, prefixes, strict=True)),
             '#line 1 "variant"\n',
             _chooser(prefixes) if len(techniques) > 1 else "",
-            _preparations(model, techniques, prefixes),
             _optional("ALBEDO_OF_VIEW", "directional_albedo", model, "model_directional_albedo(wo.z)"),
             _optional("U1_SPLIT", "u1_split", techniques[0], f"{prefixes[0]}_u1_split(wo)"),
             '#include "common/weight.glsl"\n',
             f'#line 1 "{job}.comp"\n',
-            _job_text(job),
+            job_texts()[job],
         ]
     )
     includes = {
@@ -78,11 +77,17 @@ def compose(
         "variant/load_parameters.glsl": _loader(parameters, slots, fixable=precision == "float"),
         "variant/draw_parameters.glsl": _drawer(parameters, slots),
     }
-    name = f"{model.name}+{'+'.join(technique.name for technique in techniques)}.{job}"
+    name = variant_name(model, techniques, job, precision)
     if precision == "double":
         includes = {key: part if key in _NOT_WIDENED else widen(part) for key, part in includes.items()}
-        return Variant(_LANGUAGE + _DOUBLE + widen(text), includes, parameters, f"{name}.double")
+        return Variant(_LANGUAGE + _DOUBLE + widen(text), includes, parameters, name)
     return Variant(_LANGUAGE + text, includes, parameters, name)
+
+
+def variant_name(model: Entry, techniques: Sequence[Entry], job: str, precision: Precision = "float") -> str:
+    """What errors call a variant."""
+    name = f"{model.name}+{'+'.join(technique.name for technique in techniques)}.{job}"
+    return f"{name}.double" if precision == "double" else name
 
 
 def _part(entry: Entry, role: Role, prefix: str) -> str:
@@ -106,17 +111,6 @@ def _chooser(prefixes: Sequence[str]) -> str:
         f"DirectionSample technique_sample_direction(vec3 wo, vec2 u) {{\n{calls}"
         f"    return {prefixes[-1]}_sample_direction(wo, u);\n}}\n"
     )
-
-
-def _preparations(model: Entry, techniques: Sequence[Entry], prefixes: Sequence[str]) -> str:
-    """The functions that form what depends on view and parameters alone, empty where a file forms nothing."""
-    first = "model_prepare(wo);" if "prepare" in model.declared else ""
-    calls = [
-        (f"if (TECHNIQUE == {i}u) " if len(techniques) > 1 else "") + f"{prefix}_prepare(wo);"
-        for i, (technique, prefix) in enumerate(zip(techniques, prefixes, strict=True))
-        if "prepare" in technique.declared
-    ]
-    return f"void prepare_model(vec3 wo) {{ {first} }}\nvoid prepare_technique(vec3 wo) {{ {' '.join(calls)} }}\n"
 
 
 def _loader(parameters: Sequence[str], slots: Sequence[tuple[str, str]], fixable: bool) -> str:
@@ -151,5 +145,7 @@ def _drawer(parameters: Sequence[str], slots: Sequence[tuple[str, str]]) -> str:
     return head + "".join(lines) + f"    return {total};\n}}\n"
 
 
-def _job_text(job: str) -> str:
-    return Path(SHADERS / f"{job}.comp").read_text(encoding="utf-8")
+@cache
+def job_texts() -> dict[str, str]:
+    """The text of every job by its name."""
+    return {path.stem: path.read_text(encoding="utf-8") for path in SHADERS.glob("*.comp")}

@@ -31,8 +31,6 @@ void main() {
         vec2 u = vec2(uniform_number(b.x), uniform_number(b.y));
         float value = draw_parameters(b.zw, uvec2(i, lane));
         value += (wo.x + wo.y + wo.z) + (wi.x + wi.y + wi.z) + (u.x + u.y);
-        if (TASK == 1u || TASK == 2u) prepare_model(wo);
-        if (TASK == 2u || TASK == 3u) prepare_technique(wo);
         if (TASK == 1u) value += model_brdf(wi, wo);
         if (TASK == 2u) {
             DirectionSample s = technique_sample_direction(wo, u);

@@ -29,8 +29,6 @@ void main() {
     if (i >= count) return;
     load_parameters(i);
     vec3 wo = inputs[i].view.xyz;
-    prepare_model(wo);
-    prepare_technique(wo);
     DirectionSample s = DirectionSample(inputs[i].value.xyz, 0.0);
     if (DRAW) s = technique_sample_direction(wo, inputs[i].value.xy);
     float pdf = technique_direction_pdf(wo, s.wi);

@@ -37,8 +37,6 @@ void main() {
         uint cell = panel.cell.x;
         vec3 wo = view_direction(cells[cell].view.xyz);
         load_parameters(cell);
-        prepare_model(wo);
-        prepare_technique(wo);
 
         float split = U1_SPLIT;
         split = split > 0.0 && split < 1.0 ? split : 0.0;

@@ -37,7 +37,7 @@ class Metrics:
         )
         self.queue = Gauge("samplerscope_queue_length", "Tasks that wait.", ("lane",), registry=self.registry)
         self.running = Gauge("samplerscope_running", "Tasks that a worker is at.", ("lane",), registry=self.registry)
-        for lane in ("direct", "jobs", "encode"):
+        for lane in ("direct", "jobs", "encode", "own"):
             self.restarts.labels(lane)
 
     def text(self) -> bytes:

@@ -14,7 +14,7 @@ from service.convergence.truth import Truth
 from service.engine import Engine
 from service.estimators.quadrature import quadrature
 from service.estimators.sampled import open_sampler, replicated
-from service.left_out import error_curve_features, structural_features, structure_without
+from service.left_out import error_curve_features, structure_without
 from service.moments import from_power_sums
 from service.random_numbers import replicate_key
 from service.scene import Estimator, Method, SeriesPlan
@@ -73,7 +73,7 @@ def sampled_curve(
     many = replicated(cells, keys)
     shape = (scene.replicates, len(cells))
     means, variances = [], []
-    structure = structure_without(error_curve_features(plan))
+    structure = structure_without(error_curve_features(plan, method))
     with open_sampler(plan, engine, many, structure, sobol=method == "qmc") as (sampler, built_ms):
         prefixes = sampler.run_prefixes(scene.counts, advance)
         for sums in prefixes:
@@ -96,7 +96,7 @@ def quadrature_curve(plan: SeriesPlan, scene: ConvergenceScene, engine: Engine, 
     """Errors of the quadrature at ever smaller tolerances. Counts are nodes, on average over the angles."""
     cells = series_cells(plan, scene)
     finite = np.isfinite(truth.variance)
-    structure = structure_without(structural_features(plan))
+    structure = structure_without(error_curve_features(plan, "quadrature"))
     runs = []
     for tolerance in TOLERANCES:
         rule = Estimator(method="quadrature", tolerance=tolerance)

@@ -37,5 +37,5 @@ float brdf(vec3 wi, vec3 wo) {
     float scale = 0.25 * beckmann_scale(h, mx, my);
     float x = beckmann_exponent(h, mx, my);
     float f = exponential_ratio(schlick(f0, h), scale, x, max(wi.z, wo.z), unshadowed_cosine(h, wi.z, wo.z));
-    return min(wi.z, wo.z) > 0.0 ? f : 0.0;
+    return wi.z > 0.0 && wo.z > 0.0 ? f : 0.0;
 }

@@ -40,16 +40,10 @@ float average_missing_energy() {
     return max(fon_amplitude(roughness) * roughness * (FON_C1 - FON_C2), CLAMP);
 }
 
-float strength; // of the multiple-scattering lobe, for this view
-
-void prepare(vec3 wo) {
-    strength = INV_PI * eon_multiple_scattering_albedo(albedo, roughness) / average_missing_energy()
-        * fitted_missing_energy(wo.z);
-}
-
 float brdf(vec3 wi, vec3 wo) {
-    float multiple = strength * fitted_missing_energy(wi.z);
-    return min(wi.z, wo.z) > 0.0 ? albedo * fon_lobe(wi, wo, roughness) + multiple : 0.0;
+    float strength = INV_PI * eon_multiple_scattering_albedo(albedo, roughness) / average_missing_energy();
+    float multiple = strength * fitted_missing_energy(wo.z) * fitted_missing_energy(wi.z);
+    return wi.z > 0.0 && wo.z > 0.0 ? albedo * fon_lobe(wi, wo, roughness) + multiple : 0.0;
 }
 
 // The exact integral of this very lobe: the fit's own average albedo is 0.0725612096 r in place of C2 r. The clamp of

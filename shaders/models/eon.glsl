@@ -23,17 +23,15 @@ help = "single-scattering albedo rho, one colour channel"
 ---*/
 #include "common/fon.glsl"
 
-float strength; // of the multiple-scattering lobe, for this view
-
 // Eq. 19 with (1 - Ei)(1 - Eo)/(1 - Eavg) reduced by A r/pi, which is 0/0 at roughness 0.
-void prepare(vec3 wo) {
-    strength = eon_multiple_scattering_albedo(albedo, roughness) * fon_amplitude(roughness) * roughness
-        * 0.149794500641183 * fon_deficit(wo.z); // 1/(pi^3 (C1 - C2))
+float multiple_scattering(float mu_i, float mu_o) {
+    float strength = eon_multiple_scattering_albedo(albedo, roughness) * fon_amplitude(roughness) * roughness;
+    return strength * 0.149794500641183 * fon_deficit(mu_o) * fon_deficit(mu_i); // 1/(pi^3 (C1 - C2))
 }
 
 float brdf(vec3 wi, vec3 wo) {
-    float f = albedo * fon_lobe(wi, wo, roughness) + strength * fon_deficit(wi.z);
-    return min(wi.z, wo.z) > 0.0 ? f : 0.0;
+    float f = albedo * fon_lobe(wi, wo, roughness) + multiple_scattering(wi.z, wo.z);
+    return wi.z > 0.0 && wo.z > 0.0 ? f : 0.0;
 }
 
 float directional_albedo(float mu) {

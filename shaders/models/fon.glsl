@@ -23,7 +23,7 @@ help = "single-scattering albedo rho, one colour channel"
 #include "common/fon.glsl"
 
 float brdf(vec3 wi, vec3 wo) {
-    return min(wi.z, wo.z) > 0.0 ? albedo * fon_lobe(wi, wo, roughness) : 0.0;
+    return wi.z > 0.0 && wo.z > 0.0 ? albedo * fon_lobe(wi, wo, roughness) : 0.0;
 }
 
 float directional_albedo(float mu) {

@@ -54,5 +54,5 @@ float brdf(vec3 wi, vec3 wo) {
     HalfVector h = half_vector(wi, wo);
     float specular = kurt_lobe(h, wi.z, wo.z, ks * schlick(f0, h), mx, my, alpha);
     float f = kd * schlick_rest(f0, h) * INV_PI + specular;
-    return min(wi.z, wo.z) > 0.0 ? f : 0.0;
+    return wi.z > 0.0 && wo.z > 0.0 ? f : 0.0;
 }

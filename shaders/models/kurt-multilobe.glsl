@@ -88,5 +88,5 @@ float brdf(vec3 wi, vec3 wo) {
     float first = kurt_lobe(h, wi.z, wo.z, ks1 * schlick(f01, h), mx1, my1, alpha1);
     float second = kurt_lobe(h, wi.z, wo.z, ks2 * schlick(f02, h), mx2, my2, alpha2);
     float f = kd * INV_PI + first + second;
-    return min(wi.z, wo.z) > 0.0 ? f : 0.0;
+    return wi.z > 0.0 && wo.z > 0.0 ? f : 0.0;
 }

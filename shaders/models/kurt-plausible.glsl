@@ -39,5 +39,5 @@ float brdf(vec3 wi, vec3 wo) {
     HalfVector h = half_vector(wi, wo);
     float scale = 0.25 * beckmann_scale(h, mx, my);
     float f = exponential_ratio(ks * schlick(f0, h), scale, beckmann_exponent(h, mx, my), h.to_view, max(wi.z, wo.z));
-    return min(wi.z, wo.z) > 0.0 ? f : 0.0;
+    return wi.z > 0.0 && wo.z > 0.0 ? f : 0.0;
 }

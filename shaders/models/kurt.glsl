@@ -53,5 +53,5 @@ help = "exponent of the shadowing term (ci co)^-alpha"
 float brdf(vec3 wi, vec3 wo) {
     HalfVector h = half_vector(wi, wo);
     float f = kd * INV_PI + kurt_lobe(h, wi.z, wo.z, ks * schlick(f0, h), mx, my, alpha);
-    return min(wi.z, wo.z) > 0.0 ? f : 0.0;
+    return wi.z > 0.0 && wo.z > 0.0 ? f : 0.0;
 }

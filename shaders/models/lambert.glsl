@@ -15,7 +15,7 @@ help = "reflected fraction of the light, one colour channel"
 ---*/
 
 float brdf(vec3 wi, vec3 wo) {
-    return min(wi.z, wo.z) > 0.0 ? albedo * INV_PI : 0.0;
+    return wi.z > 0.0 && wo.z > 0.0 ? albedo * INV_PI : 0.0;
 }
 
 float directional_albedo(float mu) {

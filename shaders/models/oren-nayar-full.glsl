@@ -42,5 +42,5 @@ float brdf(vec3 wi, vec3 wo) {
     float c3 = 0.125 * roughness_ratio(sigma, 0.09) * angles * angles;
     float direct = c1 + azimuth_cosine * c2 * tangent_of_smaller + (1.0 - abs(azimuth_cosine)) * c3 * tangent_of_mean;
     float interreflected = 0.17 * albedo * roughness_ratio(sigma, 0.13) * (1.0 - azimuth_cosine * ratio * ratio);
-    return min(wi.z, wo.z) > 0.0 ? albedo * INV_PI * (direct + interreflected) : 0.0;
+    return wi.z > 0.0 && wo.z > 0.0 ? albedo * INV_PI * (direct + interreflected) : 0.0;
 }

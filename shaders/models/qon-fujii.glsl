@@ -33,7 +33,7 @@ float slope() {
 float brdf(vec3 wi, vec3 wo) {
     float s = tangential_dot(wi, wo);
     float f = albedo * INV_PI * (amplitude() + slope() * (s > 0.0 ? s / max(wi.z, wo.z) : s));
-    return min(wi.z, wo.z) > 0.0 ? f : 0.0;
+    return wi.z > 0.0 && wo.z > 0.0 ? f : 0.0;
 }
 
 float directional_albedo(float mu) {

@@ -31,7 +31,7 @@ float slope() {
 }
 
 float brdf(vec3 wi, vec3 wo) {
-    return min(wi.z, wo.z) > 0.0 ? albedo * INV_PI * qualitative_lobe(wi, wo, amplitude(), slope()) : 0.0;
+    return wi.z > 0.0 && wo.z > 0.0 ? albedo * INV_PI * qualitative_lobe(wi, wo, amplitude(), slope()) : 0.0;
 }
 
 float directional_albedo(float mu) {

@@ -30,23 +30,16 @@ float u1_split(vec3 wo) {
     return uniform_probability(wo.z);
 }
 
-LtcLobe lobe;
-vec2 frame;
-float probability; // of the uniform lobe
-
-void prepare(vec3 wo) {
-    lobe = eon_lobe(wo.z, roughness);
-    frame = azimuth(wo);
-    probability = uniform_probability(wo.z);
-}
-
 DirectionSample sample_direction(vec3 wo, vec2 u) {
+    LtcLobe lobe = eon_lobe(wo.z, roughness);
+    vec2 frame = azimuth(wo);
+    float probability = uniform_probability(wo.z);
     DirectionSample s;
-    if (u.x < probability) { // never at probability 0, so u1 / P is not 0/0
-        s = uniform_hemisphere(vec2(u.x / probability, u.y));
+    if (u.x < probability) { // never at probability 0, whose reciprocal is infinite
+        s = uniform_hemisphere(vec2(u.x * (1.0 / probability), u.y));
         s.pdf = probability * UNIFORM_DENSITY + (1.0 - probability) * cltc_density(lobe, s.wi);
     } else {
-        s = cltc_sample(lobe, vec2((u.x - probability) / (1.0 - probability), u.y));
+        s = cltc_sample(lobe, vec2((u.x - probability) * (1.0 / (1.0 - probability)), u.y));
         s.pdf = probability * UNIFORM_DENSITY + (1.0 - probability) * s.pdf;
     }
     s.wi = from_azimuth_frame(s.wi, frame);
@@ -54,6 +47,7 @@ DirectionSample sample_direction(vec3 wo, vec2 u) {
 }
 
 float direction_pdf(vec3 wo, vec3 wi) {
-    float clipped = cltc_density(lobe, to_azimuth_frame(wi, frame));
-    return wi.z >= 0.0 ? probability * UNIFORM_DENSITY + (1.0 - probability) * clipped : 0.0;
+    float probability = uniform_probability(wo.z);
+    float lobe = cltc_density(eon_lobe(wo.z, roughness), to_azimuth_frame(wi, azimuth(wo)));
+    return wi.z >= 0.0 ? probability * UNIFORM_DENSITY + (1.0 - probability) * lobe : 0.0;
 }

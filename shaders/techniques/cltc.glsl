@@ -12,20 +12,12 @@ singular = ["the density is zero on a part of the hemisphere where the model is 
 #include "common/frame.glsl"
 #include "common/ltc.glsl"
 
-LtcLobe lobe;
-vec2 frame;
-
-void prepare(vec3 wo) {
-    lobe = eon_lobe(wo.z, roughness);
-    frame = azimuth(wo);
-}
-
 DirectionSample sample_direction(vec3 wo, vec2 u) {
-    DirectionSample s = cltc_sample(lobe, u);
-    s.wi = from_azimuth_frame(s.wi, frame);
+    DirectionSample s = cltc_sample(eon_lobe(wo.z, roughness), u);
+    s.wi = from_azimuth_frame(s.wi, azimuth(wo));
     return s;
 }
 
 float direction_pdf(vec3 wo, vec3 wi) {
-    return cltc_density(lobe, to_azimuth_frame(wi, frame));
+    return cltc_density(eon_lobe(wo.z, roughness), to_azimuth_frame(wi, azimuth(wo)));
 }

@@ -11,20 +11,12 @@ uses = ["roughness"]
 #include "common/frame.glsl"
 #include "common/ltc.glsl"
 
-LtcLobe lobe;
-vec2 frame;
-
-void prepare(vec3 wo) {
-    lobe = eon_lobe_nonnegative(wo.z, roughness);
-    frame = azimuth(wo);
-}
-
 DirectionSample sample_direction(vec3 wo, vec2 u) {
-    DirectionSample s = ltc_sample(lobe, u);
-    s.wi = from_azimuth_frame(s.wi, frame);
+    DirectionSample s = ltc_sample(eon_lobe_nonnegative(wo.z, roughness), u);
+    s.wi = from_azimuth_frame(s.wi, azimuth(wo));
     return s;
 }
 
 float direction_pdf(vec3 wo, vec3 wi) {
-    return ltc_density(lobe, to_azimuth_frame(wi, frame));
+    return ltc_density(eon_lobe_nonnegative(wo.z, roughness), to_azimuth_frame(wi, azimuth(wo)));
 }

@@ -13,7 +13,6 @@ from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, e
 
 from tests.service.api.http_server import Server
 
-OUT = Path(__file__).resolve().parents[2] / "out"
 PATIENCE_MS = 60_000
 """How long something may take on a busy machine before a test fails. Nothing waits so long where it works."""
 
@@ -37,6 +36,14 @@ def server(tmp_path_factory, _own_cache) -> Iterator[Server]:
     assert running.client.get("/page/vega-embed.js").status_code == 200
     yield running
     assert running.stop() == 0
+
+
+@pytest.fixture(scope="session")
+def out() -> Path:
+    """The folder of screenshots."""
+    folder = Path(__file__).resolve().parents[2] / "out"
+    folder.mkdir(exist_ok=True)
+    return folder
 
 
 @pytest.fixture(scope="session")

@@ -2,7 +2,6 @@
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from conftest import OUT
 from playwright.sync_api import expect
 
 QUERY = "?model=eon&roughness=0.5,1&techniques=cosine,ltc,cltc-mis&angles=16&samples=5000&view.at=60&view.speed=1"
@@ -28,13 +27,12 @@ def test_axe_finds_nothing_serious_and_no_part_is_wider_than_the_screen(visit, l
 
 
 @pytest.mark.parametrize("look", ["dark", "phone"])
-def test_screenshot(visit, look):
+def test_screenshot(visit, look, out):
     """For the eye: out/page-dark.png and out/page-phone.png."""
     one = visit(**LOOKS[look])
     tab = one.open("?model=eon&roughness=0.6&samples=50000&view.at=74")
     expect(tab.locator("#polar svg")).to_be_visible()
-    OUT.mkdir(exist_ok=True)
-    tab.screenshot(path=OUT / f"page-{look}.png", full_page=True)
+    tab.screenshot(path=out / f"page-{look}.png", full_page=True)
     dark = tab.evaluate("getComputedStyle(document.documentElement).backgroundColor") == "rgb(16, 22, 26)"
     assert dark == (look == "dark")
 

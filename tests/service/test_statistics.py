@@ -181,7 +181,8 @@ def test_the_sampled_tail_of_cltc_follows_its_strength(engine, monkeypatch):
 
     def keep(total, launch, submission, outputs):
         done = add(total, launch, submission, outputs)
-        largest.extend(sampling._view(outputs[0], launch)[4].max(axis=(0, 2)).tolist())
+        found = sampling._view(outputs[1], launch)[..., sampling.LARGEST]
+        largest.extend(found.view(np.float32).max(axis=(0, 1)).tolist())
         return done
 
     monkeypatch.setattr(sampling, "_add", keep)
@@ -271,7 +272,7 @@ def planted(path):
             "biased",
         ),
         ("cosine", "cosine_hemisphere(u);", "DirectionSample(cosine_hemisphere(u).wi, UNIFORM_DENSITY);", "biased"),
-        ("cltc-mis", "u.x / probability", "0.5 + 0.5 * u.x / probability", "biased"),
+        ("cltc-mis", "u.x * (1.0 / probability)", "0.5 + 0.5 * u.x * (1.0 / probability)", "biased"),
         ("cosine", "cosine_hemisphere(u);", "DirectionSample(cosine_hemisphere(u).wi, 1.0 / floor(u.x));", "nonfinite"),
         ("cosine", "cosine_hemisphere(u);", "DirectionSample(vec3(0.0, 0.0, sqrt(-1.0 - u.x)), 1.0);", "nonfinite"),
     ],
@@ -291,7 +292,9 @@ def test_the_uniform_lobe_of_the_listing_biases_the_mixture(compute, tmp_path):
     """
     path = tmp_path / "listing.glsl"
     cosine = "sqrt((1.0 - u.x / probability) * (1.0 + u.x / probability))"
-    path.write_text(with_replaced("techniques", "cltc-mis", "vec2(u.x / probability, u.y)", f"vec2({cosine}, u.y)"))
+    path.write_text(
+        with_replaced("techniques", "cltc-mis", "vec2(u.x * (1.0 / probability), u.y)", f"vec2({cosine}, u.y)")
+    )
     (series,) = compute(
         catalogue=planted(path),
         techniques="cltc-mis",

@@ -168,6 +168,18 @@ def test_convergence_is_a_job_whose_result_then_answers_the_question(server):
     assert {error["field"] for error in wrong.json()["errors"]} == {"replicates", "target_error"}
 
 
+def test_small_jobs_overtake_a_long_convergence_and_delete_ends_it(server):
+    scene = {"model": "eon", "estimator": {"samples": 2**24}, "reference": False}
+    long = server.client.post("/v1/jobs", json={"kind": "convergence", "scene": scene}).headers["location"]
+    server.await_lane("jobs", running=1, waiting=0)
+    server.await_job(server.start_job(seeded(SMALL, 60)))
+    assert server.client.get(long).json()["state"] in ("queued", "running")
+    server.client.delete(long)
+    server.await_job(long, wanted=("cancelled",))
+    server.await_lane("jobs", running=0, waiting=0)
+    assert server.metric("samplerscope_worker_restarts_total", lane="jobs") == 0
+
+
 def test_stability_is_a_job_whose_result_then_answers_the_question(server):
     path = "/v1/stability?model=lambert&techniques=cosine"
     reply = server.client.get(path)
