@@ -13,10 +13,16 @@ LOOKS = {
 
 
 @pytest.mark.parametrize("look", LOOKS)
-def test_axe_finds_nothing_serious_and_no_part_is_wider_than_the_screen(visit, look):
+def test_axe_finds_nothing_serious_and_no_part_is_wider_than_the_screen(visit, look, out):
+    """For the eye as well: out/page-dark.png and the others show all of the page."""
     one = visit(bypass_csp=True, **LOOKS[look])  # axe is a script of its own
     tab = one.open(QUERY)
     expect(tab.locator("#speed-status")).to_contain_text("Measured in")
+    expect(tab.locator("#polar svg")).to_be_visible()
+    expect(tab.locator("#errors svg")).to_have_count(4)
+    tab.screenshot(path=out / f"page-{look}.png", full_page=True)
+    dark = tab.evaluate("getComputedStyle(document.documentElement).backgroundColor") == "rgb(16, 22, 26)"
+    assert dark == (look == "dark")
     for details in tab.locator("details:not(.menu):not([open]) > summary").all():
         if details.is_visible():
             details.click()
@@ -24,17 +30,6 @@ def test_axe_finds_nothing_serious_and_no_part_is_wider_than_the_screen(visit, l
     serious = [(one["id"], one["nodes"][0]["html"]) for one in found if one["impact"] in ("serious", "critical")]
     assert serious == []
     assert tab.evaluate("document.documentElement.scrollWidth <= innerWidth")
-
-
-@pytest.mark.parametrize("look", ["dark", "phone"])
-def test_screenshot(visit, look, out):
-    """For the eye: out/page-dark.png and out/page-phone.png."""
-    one = visit(**LOOKS[look])
-    tab = one.open("?model=eon&roughness=0.6&samples=50000&view.at=74")
-    expect(tab.locator("#polar svg")).to_be_visible()
-    tab.screenshot(path=out / f"page-{look}.png", full_page=True)
-    dark = tab.evaluate("getComputedStyle(document.documentElement).backgroundColor") == "rgb(16, 22, 26)"
-    assert dark == (look == "dark")
 
 
 def test_colours_follow_the_system_while_the_page_stands(visit):
