@@ -11,7 +11,7 @@ from service.catalogue import Catalogue, Entry, load_catalogue
 from service.variant import Precision, compose
 
 Job = Literal["statistics", "probe", "quadrature", "cost"]
-_BUFFERS: Mapping[Job, int] = {"statistics": 4, "probe": 4, "quadrature": 6, "cost": 2}
+_BUFFERS: Mapping[Job, int] = {"statistics": 4, "probe": 4, "quadrature": 7, "cost": 2}
 _PUSH_CONSTANT_BYTES: Mapping[Job, int] = {"statistics": 16, "probe": 8, "quadrature": 4, "cost": 8}
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from service.cli.delivery import ProgressLine, deliver
-from service.cli.options import integer, names, number, output_options, scene_data, scene_options
+from service.cli.options import integer, is_file, names, number, output_options, scene_data, scene_options
 from service.convergence.scene import ConvergenceScene, parse_convergence_scene
 
 
@@ -25,7 +25,8 @@ def converge(
     device: str | None,
     **options: Any,
 ) -> None:
-    """Error against run time: which technique reaches a target first, and which estimator measures it first.
+    """Error against run time: which technique reaches a target first, and which estimator measures it first. The model
+    may be a .glsl file.
 
     --method takes a list here; by default all three estimators are compared, at 0, 45, 80 and 89 degrees, up to
     --samples 1048576.
@@ -40,8 +41,22 @@ def converge(
         }.items()
         if value is not None
     }
+    path = options["model"]
+    if is_file(path):
+        deliver(lambda: convergence_of_file(path, data, device), format_, outputs)
+        return
     scene = parse_convergence_scene(data)
     deliver(lambda: convergence_of(scene, device), format_, outputs)
+
+
+def convergence_of_file(path: str, data: dict[str, Any], device: str | None) -> dict[str, Any]:
+    """Answer a scene whose model, or technique, is a user's file, in a process of its own."""
+    from service.isolation import run_isolated
+    from service.isolation.tasks import file_scene
+
+    scene = file_scene(path, data, parse_convergence_scene)
+    with ProgressLine() as progress:
+        return run_isolated("convergence", {"file": path, "scene": scene, "device": device}, progress)
 
 
 def convergence_of(scene: ConvergenceScene, device: str | None) -> dict[str, Any]:
