@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -111,7 +112,7 @@ def _evaluate(probe: Probe, cells: Cells, cell: Integers, wi: Array) -> tuple[Ar
     return np.where(wi[:, 2] > 0.0, found.brdf * wi[:, 2], 0.0), found.direction_pdf
 
 
-def _directions(t: Array, u2: Array, wo: Array) -> Array:
+def _directions(t: Array, u2: Array, wo: NDArray[np.floating[Any]]) -> Array:
     s = 1.0 - t
     sine, turned = s * np.sqrt(2.0 - s * s), 2.0 * np.pi * u2 + np.arctan2(wo[:, 1], wo[:, 0])
     return np.stack([sine * np.cos(turned), sine * np.sin(turned), t * (2.0 - t)], axis=-1)

@@ -70,7 +70,8 @@ def _of_scene(
 def file_scene(path: str, scene: Mapping[str, Any], parse: Parse = parse_scene) -> dict[str, Any]:
     """A scene whose model is given as a path: by name, with the techniques that go with the file.
 
-    `parse` checks the form of a scene of its kind. A file of a technique runs on the model it is made for. Raises as reading the file and checking the scene do.
+    `parse` checks the form of a scene of its kind. A file of a technique runs on the model it is made for.
+    Raises as reading the file and checking the scene do.
     """
     subject = select(path, load_catalogue())
     techniques = scene.get("techniques") or [technique.name for technique in subject.techniques]
