@@ -12,7 +12,10 @@ from numpy.typing import NDArray
 from service.checks.effort import FULL
 from service.checks.subject import Cells as Views
 from service.checks.tails import INFINITE_VARIANCE, follow
+from service.device_reference.drawn import draw
 from service.device_reference.hemisphere import Albedo, albedos
+from service.device_reference.preimages import preimages
+from service.device_reference.sky import survey
 from service.device_reference.supremum import suprema
 from service.device_reference.weights import WeightMoments, weight_moments
 from service.engine import Engine
@@ -26,6 +29,9 @@ from service.scene import SeriesPlan, radians
 WORST = 1e-2
 """A value whose relative error may be larger than this is not given."""
 
+AGREEMENT = 1e-3
+"""Relative error of the albedo up to which its agreement with a mean confirms that."""
+
 TAIL = replace(FULL, tail_levels=16)
 """Where the weight has no bound and the variance no converged value, the tail is followed down to 4^-16."""
 
@@ -38,8 +44,10 @@ def device_reference(plan: SeriesPlan, engine: Engine, theta_o_deg: Sequence[flo
     """
     probe = Probe(engine, plan.model, plan.technique)
     cells = _cells(plan, probe, theta_o_deg)
-    moments, drawn = weight_moments(probe, cells)
-    albedo, largest = albedos(probe, cells, drawn), suprema(probe, cells, moments)
+    drawn = draw(probe, cells)
+    sky = survey(probe, cells, drawn)
+    moments = weight_moments(probe, cells, drawn, preimages(probe, cells, drawn, sky))
+    albedo, largest = albedos(probe, cells, sky), suprema(probe, cells, moments.seen, drawn.splits)
     known = _known(moments, albedo)
     infinite = known & np.isinf(largest) & np.isinf(moments.variance)
     open_ = known & np.isinf(largest) & ~infinite & ~_near(moments)
@@ -50,10 +58,11 @@ def device_reference(plan: SeriesPlan, engine: Engine, theta_o_deg: Sequence[flo
 def _known(m: WeightMoments, a: Albedo) -> NDArray[np.bool_]:
     """Cells whose moments are those of the technique, and not of the part of the square that was looked at.
 
-    Where they differ from the integral over directions, the pilot must have seen the directions that matter.
+    The integral over directions agrees, or else the pilot must have seen the directions that matter.
     """
-    off = np.abs(m.mean - (a.albedo - a.uncovered)) > m.mean_error + a.error + a.uncovered_error
-    return np.asarray(m.trusted & (~off | ~a.trusted | a.seen))
+    agrees = np.abs(m.mean - (a.albedo - a.uncovered)) <= m.mean_error + a.error + a.uncovered_error
+    exact = a.trusted & (a.error + a.uncovered_error <= AGREEMENT * a.albedo)
+    return np.asarray(m.trusted & ((agrees & exact) | a.seen))
 
 
 def _near(m: WeightMoments) -> NDArray[np.bool_]:

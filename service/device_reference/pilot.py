@@ -37,6 +37,11 @@ class Points:
     u2: Array
     importance: Array
 
+    def joined(self, other: Points) -> Points:
+        """These and the others."""
+        pairs = ((getattr(self, name), getattr(other, name)) for name in self.__dataclass_fields__)
+        return Points(*(np.concatenate(pair) for pair in pairs))
+
 
 def stratified() -> tuple[Array, Array]:
     """The pilot's points of the square, (n, 2), one at random in each stratum, and the area of that stratum, (n,).

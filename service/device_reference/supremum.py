@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from service.device_reference.weights import WeightMoments, u_of
+from service.device_reference.drawn import u_of
+from service.estimators.cubature import Integrals
 from service.estimators.panels import Array, Integers
 from service.probe import Probe
 from service.sampling import Cells
@@ -26,10 +27,9 @@ SETTLED = 1e-6
 """Share of the largest weight that the last steps may still add."""
 
 
-def suprema(probe: Probe, cells: Cells, moments: WeightMoments) -> Array:
+def suprema(probe: Probe, cells: Cells, seen: Integrals, splits: Array) -> Array:
     """Largest weight that each cell can reach or come near to: inf where it has no bound, NaN where that is open."""
-    start = _starts(moments, len(cells))
-    cell, part, centre, reach = start
+    cell, part, centre, reach = _starts(seen, len(cells))
     line = np.linspace(-1.0, 1.0, GRID)
     grid = np.stack([np.repeat(line, GRID), np.tile(line, GRID)], axis=1)
     rows = np.arange(len(cell))
@@ -37,7 +37,7 @@ def suprema(probe: Probe, cells: Cells, moments: WeightMoments) -> Array:
     highest = np.full(len(cell), -np.inf)
     for _ in range(ZOOMS):
         square = np.clip(centre[:, None] + reach[:, None] * grid, 0.0, LAST)
-        weight = _weights(probe, cells, cell, u_of(part[:, None], square, moments.splits[cell, None]))
+        weight = _weights(probe, cells, cell, u_of(part[:, None], square, splits[cell, None]))
         best = np.argmax(weight, axis=1)
         better = weight[rows, best] > highest
         highest = np.where(better, weight[rows, best], highest)
@@ -47,9 +47,9 @@ def suprema(probe: Probe, cells: Cells, moments: WeightMoments) -> Array:
     return _limits(np.stack(history))
 
 
-def _starts(moments: WeightMoments, cells: int) -> tuple[Integers, Integers, Array, Array]:
+def _starts(seen: Integrals, cells: int) -> tuple[Integers, Integers, Array, Array]:
     """The highest panels of every cell, sorted by cell: cell, part, middle (n, 2) and half widths (n, 2)."""
-    panels, highest = moments.seen.panels, moments.seen.highest
+    panels, highest = seen.panels, seen.highest
     order = np.lexsort((-highest, panels.cell))
     rank = np.arange(len(order)) - np.searchsorted(panels.cell[order], np.arange(cells))[panels.cell[order]]
     chosen = panels.pick(order[rank < STARTS])

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from service.device_reference.pilot import GRADED_AT_BOTH, Points, piloted_panels, shares, stratified
+from service.device_reference.drawn import Drawn
+from service.device_reference.pilot import GRADED_AT_BOTH, Points, piloted_panels, shares
 from service.estimators.cubature import Goal, Integrals, Values, integrate
-from service.estimators.panels import NARROWEST_DOUBLE, Array, Integers, Panels, children, first_panels
+from service.estimators.panels import NARROWEST_DOUBLE, Array, Panels, children
 from service.estimators.quadrature import LEAST_VARIANCE, Evaluator
 from service.probe import Probe
 from service.sampling import Cells
@@ -23,7 +24,7 @@ MOST_NODES = 1 << 14
 """Nodes for one cell in the first resolution, at the most; the second has eight times as many."""
 
 SAFETY = 3.0
-SLIVER = 1e-5
+SLIVER = 3e-5
 """What a value may be off by, relative to it, where a kink lies so close to a border of panels that no node is between.
 
 With these two no error over the catalogue exceeds the one that is stated; see the tests.
@@ -31,18 +32,6 @@ With these two no error over the catalogue exceeds the one that is stated; see t
 
 DOUBTFUL = 8.0
 """So many standard errors of the pilot between it and the quadrature mean that the quadrature missed something."""
-
-
-@dataclass(frozen=True)
-class Drawn:
-    """The pilot: points of the square and what the technique makes of them, (cells, n); wi (cells, n, 3)."""
-
-    part: Integers  # (n,)
-    square: Array  # (n, 2)
-    measure: Array  # of a point, (cells, n); a cell's sum is 1
-    weight: Array  # not finite where the sample is bad
-    pdf: Array
-    wi: Array
 
 
 @dataclass(frozen=True)
@@ -60,19 +49,18 @@ class WeightMoments:
     fourth: Array
     zero: Array
     trusted: NDArray[np.bool_]
-    splits: Array
     seen: Integrals
 
 
-def weight_moments(probe: Probe, cells: Cells) -> tuple[WeightMoments, Drawn]:
-    """Integrate the weight and its powers for every cell, wo and parameters in float64."""
+def weight_moments(probe: Probe, cells: Cells, drawn: Drawn, hints: Points) -> WeightMoments:
+    """Integrate the weight and its powers for every cell, wo and parameters in float64.
+
+    `hints` are points about which panels have to be small, beside those of the pilot.
+    """
     pipeline = probe.engine.pipeline(probe.model, probe.technique, "quadrature", precision="double")
-    split = "u1_split" in probe.technique.declared
     with Evaluator(probe.engine.device, pipeline, cells, "double") as evaluate:
-        splits = evaluate(first_panels(len(cells), split)).splits
-        drawn = _draw(probe, cells, splits, (0, 1) if split else (1,))
-        coarse, fine = two_resolutions(evaluate, _first(drawn, len(cells)), np.ones(len(cells), bool))
-    return _moments(coarse, fine, drawn, splits), drawn
+        coarse, fine = two_resolutions(evaluate, _first(drawn, len(cells), hints), np.ones(len(cells), bool))
+    return _moments(coarse, fine, drawn)
 
 
 def two_resolutions(
@@ -92,28 +80,7 @@ def two_resolutions(
     return found[0], found[1]
 
 
-def u_of(part: Integers, square: Array, splits: Array) -> Array:
-    """(u1, u2) of points (..., 2) of the square, for splits that broadcast with their part."""
-    u1 = np.where(part == 1, splits + (1.0 - splits) * square[..., 0], splits * square[..., 0])
-    return np.stack(np.broadcast_arrays(u1, square[..., 1]), axis=-1)
-
-
-def _draw(probe: Probe, cells: Cells, splits: Array, parts: tuple[int, ...]) -> Drawn:
-    square, area = stratified()
-    part = np.repeat(parts, len(square))
-    square, area = np.tile(square, (len(parts), 1)), np.tile(area, len(parts))
-    u = u_of(part, square, splits[:, None])
-    count = len(square)
-    found = probe.draw(
-        np.repeat(cells.wo, count, axis=0), u.reshape(-1, 2), np.repeat(cells.parameters, count, axis=0), "double"
-    )
-    measure = np.where(part == 1, 1.0 - splits[:, None], splits[:, None]) * area
-    shape = (len(cells), count)
-    return Drawn(part, square, measure, found.weight.reshape(shape), found.pdf.reshape(shape),
-                 found.wi.reshape(*shape, 3))  # fmt: skip
-
-
-def _first(drawn: Drawn, cells: int) -> Panels:
+def _first(drawn: Drawn, cells: int, hints: Points) -> Panels:
     w = np.abs(np.nan_to_num(drawn.weight, nan=0.0, posinf=0.0, neginf=0.0))
     with np.errstate(over="ignore"):
         scaled = w / np.maximum(w.max(axis=1, keepdims=True), 1e-300)
@@ -126,7 +93,8 @@ def _first(drawn: Drawn, cells: int) -> Panels:
         np.tile(drawn.square[:, 1], cells),
         importance.ravel(),
     )
-    return piloted_panels(cells, tuple(np.unique(drawn.part).tolist()), points, GRADED_AT_BOTH)
+    parts = tuple(np.unique(drawn.part).tolist())
+    return piloted_panels(cells, parts, points.joined(hints), GRADED_AT_BOTH)
 
 
 def uncertainty(fine: Array, coarse: Array, stated: Array) -> Array:
@@ -140,7 +108,7 @@ def _central(found: Integrals) -> tuple[Array, Array, Array]:
     return found.shift + a, variance, np.maximum(d - 4 * a * c + 6 * a * a * b - 3 * a**4, 0.0)
 
 
-def _moments(coarse: Integrals, fine: Integrals, drawn: Drawn, splits: Array) -> WeightMoments:
+def _moments(coarse: Integrals, fine: Integrals, drawn: Drawn) -> WeightMoments:
     mean, variance, fourth = _central(fine)
     mean_before, variance_before, fourth_before = _central(coarse)
     settled = np.abs(fourth - fourth_before) <= 1e-2 * fourth
@@ -156,6 +124,5 @@ def _moments(coarse: Integrals, fine: Integrals, drawn: Drawn, splits: Array) ->
         fourth=np.where(fine.growing, np.inf, np.where(settled, fourth, np.nan)),
         zero=np.clip(fine.zero, 0.0, 1.0),
         trusted=~bad & (~missed | fine.growing),
-        splits=splits,
         seen=fine,
     )
