@@ -30,7 +30,7 @@ WORST = 1e-2
 """A value whose relative error may be larger than this is not given."""
 
 AGREEMENT = 1e-3
-"""Relative error of the albedo up to which its agreement with a mean confirms that."""
+"""Relative error of an albedo up to which it confirms a mean that agrees, and is given where none does."""
 
 TAIL = replace(FULL, tail_levels=16)
 """Where the weight has no bound and the variance no converged value, the tail is followed down to 4^-16."""
@@ -60,9 +60,13 @@ def _known(m: WeightMoments, a: Albedo) -> NDArray[np.bool_]:
 
     The integral over directions agrees, or else the pilot must have seen the directions that matter.
     """
-    agrees = np.abs(m.mean - (a.albedo - a.uncovered)) <= m.mean_error + a.error + a.uncovered_error
     exact = a.trusted & (a.error + a.uncovered_error <= AGREEMENT * a.albedo)
-    return np.asarray(m.trusted & ((agrees & exact) | a.seen))
+    return np.asarray(m.trusted & ((_agree(m, a) & exact) | a.seen))
+
+
+def _agree(m: WeightMoments, a: Albedo) -> NDArray[np.bool_]:
+    """Where the mean weight is the albedo, as far as either is known."""
+    return np.asarray(np.abs(m.mean - (a.albedo - a.uncovered)) <= m.mean_error + a.error + a.uncovered_error)
 
 
 def _near(m: WeightMoments) -> NDArray[np.bool_]:
@@ -90,7 +94,7 @@ def _assemble(
     m: WeightMoments, a: Albedo, largest: Array, known: NDArray[np.bool_], infinite: NDArray[np.bool_]
 ) -> list[CellReference]:
     mean_known = known & (m.mean_error <= WORST * np.abs(m.mean))
-    albedo_known = a.trusted & (a.error <= WORST * a.albedo)
+    albedo_known = a.trusted & (a.error <= np.where(_agree(m, a), WORST, AGREEMENT) * a.albedo)
     variance = np.where(infinite, np.inf, np.where(known & _near(m), m.variance, np.nan))
     uncovered_known = a.trusted & (a.uncovered_error <= WORST * np.maximum(a.albedo, 1e-300))
     columns = np.stack(
