@@ -29,8 +29,11 @@ from service.scene import SeriesPlan, radians
 WORST = 1e-2
 """A value whose relative error may be larger than this is not given."""
 
-AGREEMENT = 1e-3
-"""Relative error of an albedo up to which it confirms a mean that agrees, and is given where none does."""
+CONFIRMING = 1e-3
+"""Relative error of an albedo up to which it confirms a mean that agrees."""
+
+ALONE = 1e-4
+"""The same up to which an albedo is given where no mean agrees: a lobe that it missed would show in its error."""
 
 TAIL = replace(FULL, tail_levels=16)
 """Where the weight has no bound and the variance no converged value, the tail is followed down to 4^-16."""
@@ -60,7 +63,7 @@ def _known(m: WeightMoments, a: Albedo) -> NDArray[np.bool_]:
 
     The integral over directions agrees, or else the pilot must have seen the directions that matter.
     """
-    exact = a.trusted & (a.error + a.uncovered_error <= AGREEMENT * a.albedo)
+    exact = a.trusted & (a.error + a.uncovered_error <= CONFIRMING * a.albedo)
     return np.asarray(m.trusted & ((_agree(m, a) & exact) | a.seen))
 
 
@@ -94,7 +97,7 @@ def _assemble(
     m: WeightMoments, a: Albedo, largest: Array, known: NDArray[np.bool_], infinite: NDArray[np.bool_]
 ) -> list[CellReference]:
     mean_known = known & (m.mean_error <= WORST * np.abs(m.mean))
-    albedo_known = a.trusted & (a.error <= np.where(_agree(m, a), WORST, AGREEMENT) * a.albedo)
+    albedo_known = a.trusted & (a.error <= np.where(_agree(m, a), WORST, ALONE) * a.albedo)
     variance = np.where(infinite, np.inf, np.where(known & _near(m), m.variance, np.nan))
     uncovered_known = a.trusted & (a.uncovered_error <= WORST * np.maximum(a.albedo, 1e-300))
     columns = np.stack(

@@ -22,7 +22,7 @@ PAIRS = [
     ("fon", "uniform", {"roughness": 0.6}),
     ("kurt", "beckmann-half-vector", {"mx": 0.1, "my": 0.4}),
     ("ashikhmin-shirley", "ashikhmin-shirley", {"nu": 1000.0, "nv": 50.0}),
-    ("cook-torrance", "cosine", {"mx": 0.2, "my": 0.2}),
+    ("blinn-phong", "uniform", {"n": 200.0}),
 ]
 
 
