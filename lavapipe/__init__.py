@@ -28,6 +28,7 @@ from lavapipe.errors import (
     ValidationFailed,
     WaitTimeout,
 )
+from lavapipe.optimizer import specialized
 from lavapipe.physical import DeviceInfo
 from lavapipe.pipeline import Pipeline
 from lavapipe.spirv import Module, SpecConstant, read_module
@@ -56,4 +57,5 @@ __all__ = [
     "compile_glsl",
     "default_cache",
     "read_module",
+    "specialized",
 ]

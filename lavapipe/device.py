@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from dataclasses import replace
 from types import TracebackType
 from typing import Self
 
 import numpy.typing as npt
 
+from lavapipe import drivers
 from lavapipe.buffer import Budget, Buffer
 from lavapipe.commands import Commands, Dispatch
 from lavapipe.errors import InvalidArgument, ValidationFailed
@@ -42,16 +43,24 @@ class Device:
         self._closed = False
 
     @classmethod
-    def open(cls, name: str | None = None, *, validation: bool = False, memory_limit_bytes: int = 2 * _GIB) -> Device:
+    def open(
+        cls,
+        name: str | None = None,
+        *,
+        validation: bool = False,
+        memory_limit_bytes: int = 2 * _GIB,
+        shader_cache: bool = True,
+    ) -> Device:
         """Open lavapipe, or the Vulkan device with `name` in its name or in that of its driver.
 
         Where VK_DRIVER_FILES or VK_ICD_FILENAMES is set, that choice of drivers is respected. With `validation`, a
         message of the validation layer is a ValidationFailed at the next call. `memory_limit_bytes` bounds all
-        buffers together. Raises DeviceNotFound with one line that says what to run or unset.
+        buffers together. Without `shader_cache` the driver compiles every shader anew, as if it had never seen it.
+        Raises DeviceNotFound with one line that says what to run or unset.
         """
         if memory_limit_bytes <= 0:
             raise InvalidArgument(f"memory_limit_bytes={memory_limit_bytes}: a positive number of bytes")
-        with ExitStack() as undo:
+        with ExitStack() as undo, nullcontext() if shader_cache else drivers.without_shader_cache():
             instance = Instance(validation=validation, any_driver=name is not None)
             undo.callback(instance.close)
             device = cls(instance, name, memory_limit_bytes)

@@ -1,4 +1,6 @@
-"""Which Vulkan driver the loader takes: lavapipe, unless the environment or the caller names another."""
+"""Which Vulkan driver the loader takes: lavapipe, unless the environment or the caller names another; and whether it
+keeps what it compiles.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +8,7 @@ import json
 import os
 import platform
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -14,7 +16,8 @@ from lavapipe.errors import DeviceNotFound
 
 # Loaders before 1.3.207 know only the second name, later ones prefer the first.
 VARIABLES = ("VK_DRIVER_FILES", "VK_ICD_FILENAMES")
-_lock = threading.Lock()
+_NO_SHADER_CACHE = "MESA_SHADER_CACHE_DISABLE"
+_lock = threading.RLock()
 
 
 def chosen_variable() -> str | None:
@@ -51,12 +54,23 @@ def pinned_to_lavapipe() -> Iterator[None]:
     The loader reads the environment when an instance is made and not later, so the variables go away again.
     """
     manifest = None if chosen_variable() else lavapipe_manifest()
-    if manifest is None:
+    with _environment(dict.fromkeys(VARIABLES, str(manifest)) if manifest else {}):
         yield
-        return
+
+
+@contextmanager
+def without_shader_cache() -> Iterator[None]:
+    """Let Mesa's drivers compile every shader anew, on a device that is made meanwhile: they look at its start."""
+    with _environment({_NO_SHADER_CACHE: "true"}):
+        yield
+
+
+@contextmanager
+def _environment(values: Mapping[str, str]) -> Iterator[None]:
+    """Set environment variables for a while; one thread at a time."""
     with _lock:
-        before = {name: os.environ.get(name) for name in VARIABLES}
-        os.environ.update(dict.fromkeys(VARIABLES, str(manifest)))
+        before = {name: os.environ.get(name) for name in values}
+        os.environ.update(values)
         try:
             yield
         finally:

@@ -24,7 +24,18 @@ SHADERS = Path(__file__).resolve().parent.parent / "shaders"
 
 RESERVED = frozenset(
     {
-        *("model", "parameters", "zip", "techniques", "angles", "theta_o_deg", "phi_o_deg", "statistics", "reference"),
+        *(
+            "model",
+            "preset",
+            "parameters",
+            "zip",
+            "techniques",
+            "angles",
+            "theta_o_deg",
+            "phi_o_deg",
+            "statistics",
+            "reference",
+        ),
         *("estimator", "method", "samples", "seed", "tolerance", "error_bars", "format"),
         *("target_error", "replicates", "estimators"),
     }
@@ -68,6 +79,8 @@ class Head(BaseModel):
     mixture: bool = False
     anisotropic: bool = False
     singular: list[str] = []
+    black: dict[str, float] = {}
+    left_out: dict[str, dict[str, float]] = {}
     parameters: dict[str, Parameter] = {}
 
 
@@ -129,8 +142,14 @@ class Catalogue:
         return found
 
     def with_file(self, path: Path) -> Catalogue:
-        """This catalogue and one more file, which may replace an entry of the same name."""
-        entry = read_own_file(path)
+        """This catalogue and one more file, which may replace an entry of the same name. Raises as `own_text` and
+        `own_entry` do.
+        """
+        return self.with_text(own_text(path), str(path))
+
+    def with_text(self, text: str, origin: str) -> Catalogue:
+        """This catalogue and the file of this text; `origin` is how errors call it."""
+        entry = own_entry(text, origin)
         return Catalogue(
             models={**self.models, **_provided([entry], "model")},
             techniques={**self.techniques, **_provided([entry], "technique")},
@@ -138,22 +157,32 @@ class Catalogue:
         )
 
 
-def read_own_file(path: Path) -> Entry:
-    """The entry of a user's file. BadInput where it cannot be read; ShaderFileError where it breaks the contract."""
+def own_text(path: Path) -> str:
+    """The text of a user's file. BadInput where it cannot be read."""
     try:
         if path.stat().st_size > OWN_FILE_BYTES:
             raise BadInput(Problem("file", str(path), f"at most {OWN_FILE_BYTES:,} bytes"))
-        text = path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
         raise BadInput(Problem("file", str(path), f"a shader file that can be read ({reason})")) from None
-    entry = replace(read_entry(text, str(path)), own=True)
+
+
+def own_entry(text: str, origin: str) -> Entry:
+    """The entry of a user's file. ShaderFileError where it breaks the contract."""
+    entry = replace(read_entry(text, origin), own=True)
     for line, word in glsl.words(text):
         if word in _RESOURCES:
             raise ShaderFileError(
-                f"{path}:{line}: {word}: a model or technique has no buffers, layouts or shared memory"
+                f"{origin}:{line}: {word}: a model or technique has no buffers, layouts or shared memory"
             )
     return entry
+
+
+@cache
+def hemisphere() -> Entry:
+    """Directions as a technique that covers the hemisphere smoothly: its mean weight is a model's albedo."""
+    return read_entry((SHADERS / "hemisphere.glsl").read_text(encoding="utf-8"), "hemisphere.glsl")
 
 
 @cache
@@ -183,6 +212,7 @@ def read_entry(text: str, origin: str) -> Entry:
         raise ShaderFileError(f"{origin}: head: {place}: {first['msg']}") from None
     declared = frozenset(glsl.declared_names(text))
     _check_parameters(head, origin)
+    _check_values(head, origin)
     for role in head.provides:
         for function in _REQUIRED_FUNCTIONS[role]:
             if function not in declared:
@@ -197,6 +227,19 @@ def _check_parameters(head: Head, origin: str) -> None:
         values = (parameter.min, parameter.default, parameter.max)
         if not (all(map(math.isfinite, values)) and parameter.min <= parameter.default <= parameter.max):
             raise ShaderFileError(f"{origin}: head: parameters.{name}: must have min <= default <= max")
+
+
+def _check_values(head: Head, origin: str) -> None:
+    """What drops out at given values names parameters that the file reads, with values in range."""
+    for field_name, values in [("black", head.black), *((f"left_out.{name}", v) for name, v in head.left_out.items())]:
+        for name, value in values.items():
+            own = head.parameters.get(name)
+            if own is None and (name not in head.uses or field_name == "black"):
+                raise ShaderFileError(f"{origin}: head: {field_name}: {name!r} is no parameter of this file")
+            if not (math.isfinite(value) if own is None else own.min <= value <= own.max):
+                raise ShaderFileError(f"{origin}: head: {field_name}: {name} = {value:g} is out of its range")
+        if not values and field_name != "black":
+            raise ShaderFileError(f"{origin}: head: {field_name}: must name a parameter and its value")
 
 
 def _provided(entries: Iterable[Entry], role: Literal["model", "technique"]) -> dict[str, Entry]:

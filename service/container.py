@@ -59,6 +59,7 @@ def warm(*, everything: bool) -> None:
     """Compile the statistics of every model with every technique made for it; with `everything`, all other jobs too."""
     from service.catalogue import load_catalogue
     from service.engine import Engine, Job
+    from service.explain.shaders import whole_shader
     from service.scene import parse_scene, resolve
     from service.statistics import compute_statistics
 
@@ -66,7 +67,12 @@ def warm(*, everything: bool) -> None:
     with Engine.open(catalogue) as engine:
         for model in catalogue.models.values():
             scene = {"model": model.name, "theta_o_deg": [0], "estimator": {"samples": 1}, "reference": False}
-            compute_statistics(resolve(parse_scene(scene), catalogue), engine)
+            within = {name: (one.min + one.max) / 2 for name, one in model.head.parameters.items()}
+            for parameters in ({}, within):  # defaults are ends of ranges, where parts of a shader drop out
+                question = resolve(parse_scene(scene | {"parameters": parameters}), catalogue)
+                compute_statistics(question, engine)
+            if everything:
+                whole_shader(engine, question, question.series[0])
             for technique in map(catalogue.technique, catalogue.techniques_for(model.name) if everything else ()):
                 for job in get_args(Job):
                     engine.pipeline(model, technique, job)

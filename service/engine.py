@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from types import TracebackType
-from typing import Literal
+from typing import Literal, get_args
 
-from lavapipe import Cache, Device, Pipeline, compile_glsl, default_cache
-from service.catalogue import Catalogue, Entry, load_catalogue
-from service.variant import Precision, compose
+from lavapipe import Cache, CompileError, Device, Pipeline, compile_glsl, default_cache
+from service.catalogue import Catalogue, Entry, hemisphere, load_catalogue
+from service.variant import Precision, compose, variant_name
 
 Job = Literal["statistics", "probe", "quadrature", "cost"]
-_BUFFERS: Mapping[Job, int] = {"statistics": 4, "probe": 4, "quadrature": 7, "cost": 2}
-_PUSH_CONSTANT_BYTES: Mapping[Job, int] = {"statistics": 16, "probe": 8, "quadrature": 4, "cost": 8}
+BUFFERS: Mapping[Job, int] = {"statistics": 4, "probe": 4, "quadrature": 7, "cost": 2}
+PUSH_CONSTANT_BYTES: Mapping[Job, int] = {"statistics": 16, "probe": 8, "quadrature": 4, "cost": 8}
 
 
 class Engine:
@@ -22,6 +23,9 @@ class Engine:
         self.device = device
         self.catalogue = catalogue
         self.cache = cache
+        self.pause: Callable[[], None] = lambda: None
+        """Called whenever a pipeline is asked for, which every step of long work begins with; it may raise."""
+        self._compiled: dict[tuple[Entry, Entry, Job, Precision], bytes | CompileError] = {}
         self._pipelines: dict[tuple[object, ...], Pipeline] = {}
         self._warm: set[Pipeline] = set()
 
@@ -49,23 +53,51 @@ class Engine:
         model: Entry,
         technique: Entry,
         job: Job,
-        specialization: Mapping[int, int | bool] | None = None,
+        specialization: Mapping[int, int | float | bool] | None = None,
         precision: Precision = "float",
     ) -> Pipeline:
         """The pipeline of a job for a model and a technique, built once. CompileError has the file's own lines."""
+        self.pause()
         constants = dict(specialization or {})
         key = (model, technique, job, precision, tuple(sorted(constants.items())))
         if key not in self._pipelines:
-            variant = compose(self.catalogue, model, technique, job, precision)
-            spirv = compile_glsl(variant.source, name=variant.name, include=variant.includes, cache=self.cache)
             self._pipelines[key] = self.device.pipeline(
-                spirv,
-                buffers=_BUFFERS[job],
-                push_constant_bytes=_PUSH_CONSTANT_BYTES[job],
+                self._spirv(model, technique, job, precision),
+                buffers=BUFFERS[job],
+                push_constant_bytes=PUSH_CONSTANT_BYTES[job],
                 specialization=constants,
-                name=variant.name,
+                name=variant_name(model, [technique], job, precision),
             )
         return self._pipelines[key]
+
+    def compile_all(self, pairs: Iterable[tuple[Entry, Entry]]) -> None:
+        """Have every job of these models and techniques ready as SPIR-V, so that no compiler is needed from here on.
+
+        A job that does not compile raises CompileError when its pipeline is asked for.
+        """
+        for model, technique in pairs:
+            for job in get_args(Job):
+                for precision in get_args(Precision) if job in ("probe", "quadrature") else ("float",):
+                    with suppress(CompileError):
+                        self._spirv(model, technique, job, precision)
+            for precision in get_args(Precision):
+                with suppress(CompileError):
+                    self._spirv(model, hemisphere(), "quadrature", precision)
+
+    def _spirv(self, model: Entry, technique: Entry, job: Job, precision: Precision) -> bytes:
+        key = (model, technique, job, precision)
+        if key not in self._compiled:
+            variant = compose(self.catalogue, model, [technique], job, precision)
+            try:
+                self._compiled[key] = compile_glsl(
+                    variant.source, name=variant.name, include=variant.includes, cache=self.cache
+                )
+            except CompileError as error:
+                self._compiled[key] = error
+        compiled = self._compiled[key]
+        if isinstance(compiled, CompileError):
+            raise compiled
+        return compiled
 
     def first_use(self, pipeline: Pipeline) -> bool:
         """Whether this pipeline was not asked for before: the driver compiles at the first dispatch."""

@@ -6,6 +6,7 @@ sums are added in block order in double precision: the result does not depend on
 
 from __future__ import annotations
 
+import math
 import struct
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
@@ -21,11 +22,12 @@ from service.errors import SamplerscopeError
 from service.random_numbers import BLOCK_SAMPLES
 
 LANES = 64
-PILOT_SAMPLES = 2 * LANES
-LAUNCH_BLOCKS = 256  # 4 M samples: tens of milliseconds, so that progress and cancelling are prompt
+PILOT_SAMPLES = 4 * LANES
+LAUNCH_BLOCKS = 1024  # 17 M samples: 0.03 to 0.2 s, so that progress and cancelling are prompt
 LAUNCHES_IN_FLIGHT = 2  # the host adds one launch while the device draws the next
 TIMEOUT_S = 600.0
 NO_INDEX = 0xFFFFFFFF
+LARGEST, NOT_POSITIVE, FIRST_BAD, DRAWN = range(4)  # what `found` of shaders/statistics.comp holds
 
 
 class IncompleteRun(SamplerscopeError):
@@ -127,6 +129,12 @@ class Sampler:
         """Draw once, so that the driver compiles before anything is timed."""
         self._submit(_Launch(0, 1, 0, 1), 1, self._outputs[0]).wait(TIMEOUT_S)
 
+    def launch(self, blocks: int) -> int:
+        """Draw so many blocks of every cell in one launch and add nothing; the device's nanoseconds."""
+        cells = min(self._count, LAUNCH_BLOCKS)
+        launch = _Launch(0, cells, 0, min(blocks, LAUNCH_BLOCKS // cells))
+        return self._submit(launch, blocks * BLOCK_SAMPLES, self._outputs[0]).wait(TIMEOUT_S).total_ns
+
     def run(
         self, samples: int, progress: Callable[[int], None] = lambda done: None, journal: Journal | None = None
     ) -> CellSums:
@@ -194,15 +202,16 @@ class Sampler:
                 submission.close()
 
     def _pilot(self, samples: int) -> NDArray[np.float64]:
-        """The shift of every cell's power sums: the median over lanes of the mean of a lane's first two weights."""
+        """The shift of every cell's power sums: the median over lanes of the mean of a lane's first weights."""
         self._cells.array["shift"] = 0.0
         shifts = np.empty(self._count)
         for first in range(0, self._count, LAUNCH_BLOCKS):
             launch = _Launch(first, min(LAUNCH_BLOCKS, self._count - first), 0, 1)
             self._submit(launch, samples, self._outputs[0]).wait(TIMEOUT_S)
-            lanes = -(-samples // 2)
-            weights, drawn = (_view(buffer, launch)[0, :, 0, :lanes] for buffer in self._outputs[0])
-            shifts[first : first + launch.cells] = np.median(weights / drawn, axis=1)
+            powers, found = (_view(buffer, launch)[:, :, 0] for buffer in self._outputs[0])
+            used = found[:, 0, DRAWN] != 0
+            powers, found = powers[used], found[used]
+            shifts[first : first + launch.cells] = np.median(powers[..., 0] / (found[..., DRAWN] & 0xFFFF), axis=0)
         return shifts.astype(np.float32).astype(np.float64)
 
     def _submit(self, launch: _Launch, samples: int, outputs: tuple[Buffer, Buffer]) -> Submission:
@@ -218,7 +227,7 @@ class Sampler:
         return commands.submit()
 
     def _output_pair(self) -> tuple[Buffer, Buffer]:
-        size = (5 * LAUNCH_BLOCKS * LANES,)
+        size = (LANES * LAUNCH_BLOCKS * 4,)
         return self._device.buffer(size, np.float32), self._device.buffer(size, np.uint32)
 
 
@@ -244,29 +253,37 @@ def _launches(cells: int, start: int, samples: int) -> Iterator[_Launch]:
 
 
 def _view(buffer: Buffer, launch: _Launch) -> NDArray[Any]:
-    """The five outputs of a launch as (output, cell, block, lane)."""
-    shape = (5, launch.cells, launch.blocks, LANES)
-    return buffer.array[: 5 * launch.cells * launch.blocks * LANES].reshape(shape)
+    """The outputs of a launch as (lane, cell, block, four numbers)."""
+    shape = (LANES, launch.cells, launch.blocks, 4)
+    return buffer.array[: math.prod(shape)].reshape(shape)
 
 
 def _add(total: CellSums, launch: _Launch, submission: Submission, outputs: tuple[Buffer, Buffer]) -> int:
     """Wait for a launch and add its sums, block after block; the number of samples drawn."""
     total.device_ns += submission.wait(TIMEOUT_S).total_ns
     cells = slice(launch.first_cell, launch.first_cell + launch.cells)
-    sums = _view(outputs[0], launch)
-    counts = _view(outputs[1], launch)
-    blocks = sums[:4].astype(np.float64).sum(axis=-1)
+    powers, found = (_view(buffer, launch) for buffer in outputs)
+    blocks = powers.astype(np.float64).sum(axis=0)
     for block in range(launch.blocks):
-        total.powers[:, cells] += blocks[:, :, block]
-    np.maximum(total.largest[cells], sums[4].max(axis=(-2, -1)), out=total.largest[cells])
-    drawn, zero, nonfinite, negative = counts[:4].astype(np.int64).sum(axis=(-2, -1))
+        total.powers[:, cells] += blocks[:, block].T
+    largest = found.view(np.float32).max(axis=0)[..., LARGEST].max(axis=1)
+    np.maximum(total.largest[cells], largest, out=total.largest[cells])
+    counts = found.sum(axis=0, dtype=np.uint32)  # a block's counts fit the 16 bits that each has
+    zero, negative = _two_counts(counts[..., NOT_POSITIVE])
+    drawn, nonfinite = _two_counts(counts[..., DRAWN])
     total.drawn[cells] += drawn
     total.zero[cells] += zero
     total.nonfinite[cells] += nonfinite
     total.negative[cells] += negative
     if nonfinite.any():
-        _note_first_bad(total.first_bad[cells], counts[4].min(axis=-1), launch.first_block)
+        _note_first_bad(total.first_bad[cells], found[..., FIRST_BAD].min(axis=0), launch.first_block)
     return int(drawn.sum())
+
+
+def _two_counts(packed: NDArray[np.uint32]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The counts in the low and in the high half of words (cells, blocks), over all blocks."""
+    low, high = packed & np.uint32(0xFFFF), packed >> np.uint32(16)
+    return low.sum(axis=1, dtype=np.int64), high.sum(axis=1, dtype=np.int64)
 
 
 def _note_first_bad(first_bad: NDArray[np.int64], found: NDArray[np.uint32], first_block: int) -> None:

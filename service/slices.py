@@ -47,7 +47,7 @@ def compute_slices(question: Question, engine: Engine, progress: Progress = lamb
     info = engine.device.info
     run = {"device": info.name, "driver": info.driver_version, "elapsed_ms": 1e3 * (time.perf_counter() - begin)}
     scene = question.scene.model_dump(mode="json")
-    return {"kind": "slices", "scene": scene, "series": series, "run": run}
+    return {"kind": "slices", "scene": scene, "series": series, "left_out": [], "run": run}
 
 
 def values_in_plane(

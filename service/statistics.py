@@ -14,6 +14,7 @@ from service.axes import axes
 from service.engine import Engine
 from service.estimators import Estimate, estimate, statistics_so_far
 from service.estimators.quadrature import LEAST_VARIANCE
+from service.left_out import Feature, features_left_out, moments_needed, report, structure_without
 from service.moments import Statistics
 from service.random_numbers import cell_key
 from service.reference import CellReference
@@ -47,7 +48,8 @@ def compute_statistics(
     total = len(question.series) * len(scene.angles_deg) * scene.estimator.samples
     done = 0
     compile_ms = 0.0
-    series = []
+    series: list[dict[str, Any]] = []
+    features: list[Sequence[Feature]] = []
     for number, plan in enumerate(question.series):
         name = plan.technique.name
 
@@ -58,16 +60,17 @@ def compute_statistics(
 
         done = number * total // len(question.series)  # an estimator may need more or fewer samples than asked for
         progress(name, done, total)
-        entry, built_ms = _series(plan, scene, engine, advance, journal(number))
-        compile_ms += built_ms
+        entry, found = _series(plan, scene, engine, advance, journal(number))
+        compile_ms += found.built_ms
         series.append(entry)
+        features.append(features_left_out(plan, scene, found.estimator.method))
     info = engine.device.info
     return {
         "kind": "statistics",
         "scene": scene.model_dump(mode="json"),
         "axes": axes(series),
         "series": series,
-        "left_out": left_out(scene),
+        "left_out": report(features),
         "run": {
             "device": info.name,
             "driver": info.driver_version,
@@ -77,31 +80,6 @@ def compute_statistics(
             "elapsed_ms": 1e3 * (time.perf_counter() - begin),
         },
     }
-
-
-def moments_needed(scene: Scene) -> int:
-    """The highest power of the weight that the asked statistics and their error bars need."""
-    if "variance" in scene.statistics:
-        return 4 if scene.error_bars else 2
-    if "mean" in scene.statistics:
-        return 2 if scene.error_bars else 1
-    return 0
-
-
-def left_out(scene: Scene) -> list[dict[str, str]]:
-    """What the shader of this scene does not compute, and why."""
-    moments = moments_needed(scene)
-    out = []
-    if moments < 4:
-        bars = "error bars were not asked for" if not scene.error_bars else "the variance was not asked for"
-        out.append({"feature": "third and fourth powers of the weight", "reason": bars})
-    if moments < 2:
-        out.append({"feature": "second power of the weight", "reason": "only the mean or the maximum was asked for"})
-    if moments < 1:
-        out.append({"feature": "sum of the weight", "reason": "neither mean nor variance was asked for"})
-    if "max_weight" not in scene.statistics:
-        out.append({"feature": "largest weight", "reason": "max_weight was not asked for"})
-    return out
 
 
 def series_cells(plan: SeriesPlan, scene: Scene) -> Cells:
@@ -156,11 +134,12 @@ def _reference(plan: SeriesPlan, scene: Scene, engine: Engine, pause: Callable[[
 
 def _series(
     plan: SeriesPlan, scene: Scene, engine: Engine, advance: Callable[[int], None], journal: Journal | None
-) -> tuple[dict[str, Any], float]:
-    """One series of the result, and the milliseconds that building its shader took."""
+) -> tuple[dict[str, Any], Estimate]:
+    """One series of the result, and the estimate that it was made of."""
     angles = scene.angles_deg
     cells = _reference(plan, scene, engine, lambda: advance(0))
-    found = estimate(plan, scene, engine, series_cells(plan, scene), cells, moments_needed(scene), advance, journal)
+    structure = structure_without(features_left_out(plan, scene))
+    found = estimate(plan, scene, engine, series_cells(plan, scene), cells, structure, advance, journal)
     entry = _head(plan, scene)
     if found.statistics is not None:
         entry |= _moment_columns(scene, found.statistics, cells)
@@ -174,15 +153,16 @@ def _series(
         reference=cells,
         replay=_replays(plan, scene, found),
     )
+    if found.zero_fraction is not None:
+        entry["zero_fraction"] = found.zero_fraction.tolist()
     return entry | {
-        "zero_fraction": found.zero_fraction.tolist(),
         "nonfinite": found.nonfinite.tolist(),
         "samples": found.estimator.samples,
         "estimator": found.estimator.model_dump(mode="json", exclude_none=True),
         "reference": _reference_columns(scene, found, cells),
         "verdict": verdict(evidence),
         "device_ms": found.device_ns / 1e6,
-    }, found.built_ms
+    }, found
 
 
 def _azimuth(plan: SeriesPlan) -> dict[str, float]:

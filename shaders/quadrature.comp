@@ -42,7 +42,7 @@ void main() {
     for (uint i = first; i < end; i++) {
         Panel panel = panels[i];
         uint cell = panel.cell.x;
-        vec3 wo = cells[cell].view.xyz;
+        vec3 wo = view_direction(cells[cell].view.xyz);
         load_parameters(cell);
 
         float split = U1_SPLIT;

@@ -9,6 +9,9 @@ const uint BLOCK_SAMPLES = 16384u; // 256 a lane: float32 sums stay good to 1e-6
 layout(constant_id = 0) const uint MOMENTS = 4u;     // highest power of (weight - shift) that is summed, 0 to 4
 layout(constant_id = 1) const bool WITH_MAX = true;
 layout(constant_id = 2) const bool SCRAMBLED_SOBOL = false; // in place of random numbers; the key scrambles
+layout(constant_id = 3) const bool WITH_ZEROS = true;
+layout(constant_id = 4) const bool WITH_FIRST_BAD = true;
+layout(constant_id = 5) const bool FORMED_ONCE = false;     // what depends on the view alone, not for every sample
 
 struct Cell {
     vec4 view;   // wo, and the shift about which powers are summed
@@ -17,8 +20,10 @@ struct Cell {
 
 layout(std430, set = 0, binding = 0) readonly buffer Cells { Cell cells[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Parameters { float parameter_values[]; };
-layout(std430, set = 0, binding = 2) writeonly buffer Sums { float sums[]; };     // [S1 S2 S3 S4 max] x block x lane
-layout(std430, set = 0, binding = 3) writeonly buffer Counts { uint counts[]; };  // [drawn, zero, nonfinite, negative, first bad] x block x lane
+// By lane and then by block: sums of the powers 1 to 4; and the largest weight, counts of zero and of negative weights in
+// 16 bits each, the first index that is not finite, counts of samples drawn and of those not finite in 16 bits each.
+layout(std430, set = 0, binding = 2) writeonly buffer Powers { vec4 powers[]; };
+layout(std430, set = 0, binding = 3) writeonly buffer Found { uvec4 found[]; };
 
 layout(push_constant) uniform Launch {
     uint first_cell;
@@ -30,30 +35,30 @@ layout(push_constant) uniform Launch {
 #include "common/sobol.glsl"
 #include "variant/load_parameters.glsl"
 
-// What a lane has found: sums of powers of (weight - shift), the largest weight, and counts of samples.
+// What a lane has found: sums of powers of (weight - shift), the largest weight, counts of samples and the index of the
+// first that is not finite.
 struct Tally {
     float s1, s2, s3, s4, largest;
-    uint drawn, zero, nonfinite, negative, first_bad;
+    uint not_positive; // samples of weight 0, and 65536 times those of negative weight
+    uint nonfinite, first_bad;
 };
 
-// Draws sample `index` of the block at u and adds it; one beyond the end of the block is not `live` and adds nothing.
-void add_sample(inout Tally t, vec2 u, uint index, bool live, vec3 wo, float shift) {
-    DirectionSample s = technique_sample_direction(wo, u);
-    float weight = throughput_weight(s, wo);
-    bool bad = live && is_nonfinite(weight + (s.pdf + (s.wi.x + s.wi.y + s.wi.z)));
-    bool counted = live && !bad;
-    t.drawn += live ? 1u : 0u;
-    t.zero += live && weight == 0.0 ? 1u : 0u;
-    t.negative += live && weight < 0.0 ? 1u : 0u;
+const Tally NOTHING = Tally(0.0, 0.0, 0.0, 0.0, -3.402823466e38, 0u, 0u, 0xffffffffu);
+
+// Adds sample `index` of the block.
+void add_sample(inout Tally t, DirectionSample s, float weight, uint index, float shift) {
+    bool bad = is_nonfinite(weight + (s.pdf + (s.wi.x + s.wi.y + s.wi.z)));
+    if (WITH_ZEROS) t.not_positive += weight == 0.0 ? 1u : 0u;
+    t.not_positive += weight < 0.0 ? 65536u : 0u;
     t.nonfinite += bad ? 1u : 0u;
-    t.first_bad = bad ? min(t.first_bad, index) : t.first_bad;
-    float d = counted ? weight - shift : 0.0;
+    if (WITH_FIRST_BAD) t.first_bad = bad ? min(t.first_bad, index) : t.first_bad;
+    float d = bad ? 0.0 : weight - shift;
     float d2 = d * d;
     if (MOMENTS >= 1u) t.s1 += d;
     if (MOMENTS >= 2u) t.s2 += d2;
     if (MOMENTS >= 3u) t.s3 += d2 * d;
     if (MOMENTS >= 4u) t.s4 += d2 * d2;
-    if (WITH_MAX) t.largest = counted ? max(t.largest, weight) : t.largest;
+    if (WITH_MAX) t.largest = !bad && weight > t.largest ? weight : t.largest;
 }
 
 // (u1, u2) of samples 2 n and 2 n + 1 of the block.
@@ -69,30 +74,47 @@ void main() {
     uint lane = gl_LocalInvocationID.x;
     uint block = first_block + gl_WorkGroupID.x;
     uint cell = first_cell + gl_WorkGroupID.y;
-    vec3 wo = cells[cell].view.xyz;
+    vec3 wo = view_direction(cells[cell].view.xyz);
     float shift = cells[cell].view.w;
     uvec2 key = cells[cell].key.xy;
     load_parameters(cell);
 
-    Tally t = Tally(0.0, 0.0, 0.0, 0.0, -3.402823466e38, 0u, 0u, 0u, 0u, 0xffffffffu);
-    uint end = block == last_block ? last_samples : BLOCK_SAMPLES;
-    for (uint n = lane; 2u * n < end; n += LANES) {
-        vec4 u = sample_numbers(n, block, key);
-        add_sample(t, u.xy, 2u * n, true, wo, shift);
-        add_sample(t, u.zw, 2u * n + 1u, 2u * n + 1u < end, wo, shift);
+    uint samples = block == last_block ? last_samples : BLOCK_SAMPLES;
+    uint fours = samples / 4u, rest = samples % 4u;
+
+    // Up to three samples are left over: lanes 0 to 2 add one each. Every lane draws one, before the loop: what depends on
+    // the view alone is then known there, and the driver, which moves nothing out of a loop, forms it once.
+    vec4 v = sample_numbers(2u * fours + lane / 2u, block, key);
+    DirectionSample left = technique_sample_direction(wo, (lane & 1u) == 0u ? v.xy : v.zw);
+    Tally with_left = NOTHING;
+    add_sample(with_left, left, throughput_weight(left, wo), 4u * fours + lane, shift);
+    Tally t = NOTHING;
+    if (lane < rest) t = with_left;
+
+    if (!FORMED_ONCE) { // the compiler does not know that the number of a group along z is 0, and so that nothing changes
+        wo = view_direction(cells[cell + gl_WorkGroupID.z].view.xyz);
+        load_parameters(cell + gl_WorkGroupID.z);
     }
 
+    // Four samples at a time, stage by stage: a processor looks some 200 instructions ahead, and so works at all of them
+    // while one would wait for its own results.
+    uint n = lane;
+    for (; n < fours; n += LANES) {
+        vec4 u = sample_numbers(2u * n, block, key), v = sample_numbers(2u * n + 1u, block, key);
+        DirectionSample a = technique_sample_direction(wo, u.xy), b = technique_sample_direction(wo, u.zw);
+        DirectionSample c = technique_sample_direction(wo, v.xy), d = technique_sample_direction(wo, v.zw);
+        float weight_a = throughput_weight(a, wo), weight_b = throughput_weight(b, wo);
+        float weight_c = throughput_weight(c, wo), weight_d = throughput_weight(d, wo);
+        add_sample(t, a, weight_a, 4u * n, shift);
+        add_sample(t, b, weight_b, 4u * n + 1u, shift);
+        add_sample(t, c, weight_c, 4u * n + 2u, shift);
+        add_sample(t, d, weight_d, 4u * n + 3u, shift);
+    }
+
+    // Fewer than asked where the driver ended a loop.
+    uint drawn = loops_ran(min(gl_NumWorkGroups.x + 1u, 2u)) ? (n - lane) / LANES * 4u + (lane < rest ? 1u : 0u) : 0u;
     uint blocks = gl_NumWorkGroups.x * gl_NumWorkGroups.y;
-    uint at = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * LANES + lane;
-    uint stride = blocks * LANES;
-    sums[at] = t.s1;
-    sums[at + stride] = t.s2;
-    sums[at + 2u * stride] = t.s3;
-    sums[at + 3u * stride] = t.s4;
-    sums[at + 4u * stride] = t.largest;
-    counts[at] = loops_ran(min(gl_NumWorkGroups.x + 1u, 2u)) ? t.drawn : 0u;
-    counts[at + stride] = t.zero;
-    counts[at + 2u * stride] = t.nonfinite;
-    counts[at + 3u * stride] = t.negative;
-    counts[at + 4u * stride] = t.first_bad;
+    uint at = lane * blocks + gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    powers[at] = vec4(t.s1, t.s2, t.s3, t.s4);
+    found[at] = uvec4(floatBitsToUint(t.largest), t.not_positive, t.first_bad, drawn | t.nonfinite << 16u);
 }

@@ -18,7 +18,7 @@ from lavapipe import LavapipeError
 from service.api import documents
 from service.api.middleware import BodyLimit, RequestContext
 from service.api.problems import HttpError, problem_response
-from service.api.routes import catalogue, figures, jobs, operations, questions
+from service.api.routes import catalogue, figures, jobs, operations, own_files, questions
 from service.api.services import Services
 from service.errors import SamplerscopeError
 
@@ -51,7 +51,7 @@ def create_app(services: Services) -> ASGIApp:
     app.include_router(operations.health_router())
     app.include_router(operations.ready_router(services))
     guard = _guard(services)
-    for resource in (questions, figures, catalogue, jobs):
+    for resource in (questions, figures, own_files, catalogue, jobs):
         app.include_router(resource.router(services), dependencies=guard)
     app.include_router(operations.metrics_router(services), dependencies=guard)
     app.add_exception_handler(HTTPException, _http_exception)

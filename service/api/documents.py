@@ -8,11 +8,14 @@ from collections.abc import Iterable
 from http import HTTPStatus
 from typing import Any
 
+from pydantic import BaseModel
+
 from service.api import problems as problem_details
 from service.api.representations import formats_of
 from service.catalogue import Catalogue, Parameter, load_catalogue
 from service.formats import FORMATS
-from service.scene import MAX_ANGLES, Estimator, Scene
+from service.presets import preset_names
+from service.scene import ALL_MODELS, MAX_ANGLES, Estimator, Scene
 from service.worker.kinds import KINDS, ROUTED, Kind
 
 Part = dict[str, Any]
@@ -97,7 +100,7 @@ JOB_ACCEPTED: Part = {
 
 
 def _contents(kind: str) -> Part:
-    schema = "StatisticsResult" if kind == "statistics" else "AnyResult"
+    schema = {"statistics": "StatisticsResult", "explain": "ExplainResult"}.get(kind, "AnyResult")
     contents: Part = {}
     for name in formats_of(kind):
         entry = FORMATS[name]
@@ -125,6 +128,11 @@ def result_responses() -> Responses:
     contents["application/json"] = {"schema": reference_to("AnyResult")}
     answer = {"description": "The result", "content": contents, "headers": _TAG}
     return {200: answer, 304: NOT_MODIFIED, **problems(406, 422, 429, 500, 503)}
+
+
+def own_responses(kind: str) -> Responses:
+    """Responses to a question about a file of one's own."""
+    return {status: part for status, part in answer_responses(kind).items() if status != 202} | problems(403)
 
 
 def format_parameter(kind: str = "statistics") -> Part:
@@ -156,7 +164,8 @@ def query_parameters(catalogue: Catalogue, kind: Kind) -> list[Part]:
     """Parameters of a question that fits in a link."""
     scene, estimator = kind.scene.model_json_schema(), Estimator.model_json_schema()
     found = [
-        _query("model", "The BRDF.", {"type": "string", "enum": sorted(catalogue.models)}, required=True),
+        _query("model", "The BRDF. Needed unless there is a `preset`.", _model_schema(kind, catalogue)),
+        _query("preset", "A material of a paper, in the place of a model.", {"type": "string", "enum": preset_names()}),
         _names("techniques", sorted(catalogue.techniques), description="Default: all that are made for the model."),
         _query(
             "angles",
@@ -170,6 +179,18 @@ def query_parameters(catalogue: Catalogue, kind: Kind) -> list[Part]:
             style="form",
             explode=False,
             example=[0, 45, 89.9],
+        ),
+        _query(
+            "phi_o_deg",
+            "View azimuths of an anisotropic model, in degrees: one series each. Default: 0.",
+            {"type": "array", "items": {"type": "number", "minimum": -360, "maximum": 360}, "minItems": 1},
+            style="form",
+            explode=False,
+        ),
+        _query(
+            "zip",
+            "Names of parameters whose lists run together, as `kd,ks`; once for each group.",
+            {"type": "array", "items": {"type": "string"}, "minItems": 1},
         ),
         _names(
             "statistics",
@@ -196,6 +217,12 @@ def query_parameters(catalogue: Catalogue, kind: Kind) -> list[Part]:
         format_parameter(kind.name),
     ]
     return [*found, *ANSWER_HEADERS]
+
+
+def _model_schema(kind: Kind, catalogue: Catalogue) -> Part:
+    """A name of a model, or `all` for kinds that take every model at once."""
+    every = [] if kind.name == "convergence" else [ALL_MODELS]
+    return {"type": "string", "enum": [*sorted(catalogue.models), *every]}
 
 
 def _list(name: str, schema: Part) -> Part:
@@ -253,7 +280,7 @@ def scene_schema(kind: Kind, catalogue: Catalogue | None = None) -> Part:
     schema = kind.scene.model_json_schema(ref_template="#/components/schemas/{model}")
     schema.pop("$defs", None)
     fields = schema["properties"]
-    fields["model"] = {"type": "string", "enum": sorted(catalogue.models), "description": "The BRDF."}
+    fields["model"] = {**_model_schema(kind, catalogue), "description": "The BRDF."}
     names = {"type": "string", "enum": sorted(catalogue.techniques)}
     fields["techniques"] = {
         "type": "array",
@@ -283,6 +310,11 @@ def scene_body(kind: Kind) -> Part:
     """The body of a question."""
     content = {"application/json": {"schema": reference_to(kind.scene.__name__), "example": EXAMPLE_SCENE}}
     return {"required": True, "content": content}
+
+
+def model_body(model: type[BaseModel]) -> Part:
+    """A body that is described by a class."""
+    return {"required": True, "content": {"application/json": {"schema": reference_to(model.__name__)}}}
 
 
 def job_body() -> Part:

@@ -36,7 +36,8 @@ class Metrics:
             "samplerscope_worker_restarts", "Workers that were lost and replaced.", ("lane",), registry=self.registry
         )
         self.queue = Gauge("samplerscope_queue_length", "Tasks that wait.", ("lane",), registry=self.registry)
-        for lane in ("direct", "jobs", "encode"):
+        self.running = Gauge("samplerscope_running", "Tasks that a worker is at.", ("lane",), registry=self.registry)
+        for lane in ("direct", "jobs", "encode", "own"):
             self.restarts.labels(lane)
 
     def text(self) -> bytes:

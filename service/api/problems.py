@@ -20,6 +20,7 @@ from starlette.responses import Response
 from lavapipe import CompileError, LavapipeError, OutOfMemory
 from service.errors import BadInput, SamplerscopeError
 from service.formats import UnknownFormat
+from service.isolation import OwnFileFailed
 from service.jobs.answers import TimedOut, TooManyRequests
 from service.worker.lane import Cancelled, QueueFull, WorkerError
 from service.worker.process import NoDevice, WorkerLost
@@ -69,6 +70,7 @@ _TABLE: Mapping[type[Exception], _Row] = {
     WorkerLost: _Row(503, "worker-lost", 1),
     NoDevice: _Row(503, "no-device", 5),
     Cancelled: _Row(503, "stopping", 5),
+    OwnFileFailed: _Row(422, "own-file-failed"),
     CompileError: _Row(500, "compile-error"),
     OutOfMemory: _Row(503, "out-of-memory", 5),
     LavapipeError: _Row(503, "device-error", 1),
@@ -93,6 +95,8 @@ def problem_of(error: Exception) -> tuple[dict[str, Any], dict[str, str]]:
         ]
     elif description.get("problems"):
         members["errors"] = description["problems"]
+    if description.get("diagnostics"):
+        members["diagnostics"] = description["diagnostics"]
     if isinstance(error, OverBudget):
         members |= {"estimate": error.estimate, "limit": error.limit}
     headers = {}

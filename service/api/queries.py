@@ -14,6 +14,7 @@ from service.api.problems import HttpError
 from service.catalogue import Catalogue
 from service.errors import BadInput, Problem
 from service.formats import FORMATS
+from service.presets import with_preset
 from service.scene import Estimator, Scene, parse_scene, resolve
 from service.worker.kinds import Kind
 
@@ -36,6 +37,7 @@ def scene_of_query(query: QueryParams, kind: Kind, catalogue: Catalogue, paramet
     """
     data: dict[str, Any] = {"parameters": {}, "estimator": {}}
     problems: list[Problem] = []
+    preset: str | None = None
     for name in query:
         values = query.getlist(name)
         split = [part.strip() for value in values for part in value.split(",")]
@@ -50,6 +52,8 @@ def scene_of_query(query: QueryParams, kind: Kind, catalogue: Catalogue, paramet
         elif name == "format":
             if values[0] not in FORMATS:
                 problems.append(Problem(name, values[0], "one of " + ", ".join(FORMATS)))
+        elif name == "preset":
+            preset = values[0]
         elif name == "angles":
             data["theta_o_deg"] = {"count": values[0]}
         elif name in Estimator.model_fields:
@@ -58,8 +62,14 @@ def scene_of_query(query: QueryParams, kind: Kind, catalogue: Catalogue, paramet
             data[name] = values[0]
         else:
             problems.append(Problem(name, ", ".join(values), "no field of this name"))
-    if "angles" in query and "theta_o_deg" in query:
-        problems.append(Problem("angles", query["angles"], "either angles or theta_o_deg, not both"))
+    for one, other in (("angles", "theta_o_deg"), ("model", "preset")):
+        if one in query and other in query:
+            problems.append(Problem(one, query[one], f"either {one} or {other}, not both"))
+    if preset is not None:
+        try:
+            data = with_preset(preset, data)
+        except BadInput as error:
+            problems.extend(error.problems)
     return _checked(data, kind, catalogue, problems)
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, ConfigDict, Field
 
-from service.catalogue import Parameter
+from service.catalogue import OWN_FILE_BYTES, Parameter
 from service.worker.kinds import KINDS
 
 Column = list[float | None]
@@ -57,11 +57,19 @@ class Series(BaseModel):
     variance: Column = []
     variance_stderr: Column = []
     max_weight: Column = []
-    zero_fraction: Column
+    zero_fraction: Column = []
     nonfinite: list[int]
     reference: Reference | None
     verdict: Verdict
     device_ms: float
+
+
+class LeftOut(BaseModel):
+    """What shaders left out, the reason, and the numbers of the series whose shaders they are."""
+
+    feature: str
+    reason: str
+    series: list[int]
 
 
 class StatisticsResult(BaseModel):
@@ -71,7 +79,47 @@ class StatisticsResult(BaseModel):
     scene: dict[str, Any]
     axes: dict[str, Axis]
     series: list[Series]
-    left_out: list[dict[str, str]]
+    left_out: list[LeftOut]
+    run: dict[str, Any]
+
+
+class ShaderFigures(BaseModel):
+    """Size and speed of the shader that answers a series, on average over the series.
+
+    `spirv_bytes` and `instructions` are after specialization, `module_bytes` before; `ns_per_sample` is time of one
+    driver thread.
+    """
+
+    module_bytes: int
+    spirv_bytes: int
+    instructions: int
+    compile_ms: float
+    ns_per_sample: float
+
+
+class Saving(BaseModel):
+    """What leaving out one feature saves of the full shader, on average over the series."""
+
+    ns_per_sample: float
+    instructions: int
+
+
+class ExplainedFeature(LeftOut):
+    """What shaders left out, and what that saves by itself."""
+
+    saves: Saving
+
+
+class ExplainResult(BaseModel):
+    """What the shaders of a scene leave out, measured beside those that keep everything."""
+
+    kind: Literal["explain"]
+    scene: dict[str, Any]
+    series: list[dict[str, Any]]
+    left_out: list[ExplainedFeature]
+    variant: ShaderFigures
+    full: ShaderFigures
+    shaders: list[dict[str, Any]]
     run: dict[str, Any]
 
 
@@ -138,6 +186,14 @@ class BadField(BaseModel):
     allowed: str
 
 
+class Diagnostic(BaseModel):
+    """One message of the shader compiler; the line is 0 where it belongs to none."""
+
+    file: str
+    line: int
+    message: str
+
+
 class Problem(BaseModel):
     """What went wrong (RFC 9457)."""
 
@@ -147,6 +203,7 @@ class Problem(BaseModel):
     detail: str
     request_id: str = Field(description="The same id stands in the log of the server.")
     errors: list[BadField] = Field([], description="Every wrong field.")
+    diagnostics: list[Diagnostic] = Field([], description="What the compiler says of shader text, by line.")
     estimate: float | None = Field(None, description="What the question would need, where that is above a limit.")
     limit: float | None = Field(None, description="That limit.")
 
@@ -188,13 +245,37 @@ class Ready(BaseModel):
     device: dict[str, Any]
 
 
+class _OwnFile(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    glsl: str = Field(max_length=OWN_FILE_BYTES, description="The text of the file, as shaders/README.md says.")
+
+
+class OwnCheck(_OwnFile):
+    """A file to check, with the words of `samplerscope check`."""
+
+    model: str | None = Field(None, description="The model for a technique. Default: eon, or the first it is made for.")
+    techniques: list[str] | None = Field(None, min_length=1, description="For a model. Default: cosine and uniform.")
+    parameters: dict[str, float] = Field({}, description="Parameters to fix, which are swept else.")
+    quick: bool = Field(True, description="A few seconds, at the lower power that each check states.")
+    seed: int = Field(0, ge=0, lt=2**63, description="Seed of the random numbers.")
+
+
+class OwnScene(_OwnFile):
+    """A file and a scene for it. The scene's `model` is the file's, and its parameters are the file's own as well."""
+
+    scene: dict[str, Any] = Field({}, description="A scene, as for questions about the catalogue.")
+
+
 MODELS: tuple[type[BaseModel], ...] = (
     StatisticsResult,
+    ExplainResult,
     AnyResult,
     CatalogueResult,
     Figures,
     Jobs,
     Problem,
+    OwnCheck,
+    OwnScene,
     Health,
     Ready,
 )

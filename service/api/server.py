@@ -127,5 +127,4 @@ class _Server(uvicorn.Server):
     async def _end_requests(self) -> None:
         """Whoever still waits when the time is up gets a problem, not a broken connection."""
         await asyncio.sleep(self._services.settings.graceful_s)
-        await self._services.direct.close()
-        await self._services.encoding.close()
+        await self._services.end_answers()

@@ -38,6 +38,8 @@ class Settings(BaseSettings):
     stall_timeout_s: float = Field(
         60.0, gt=0, description="A worker whose task gets no further for longer is replaced."
     )
+    own_glsl: bool = Field(False, description="Whether clients may send shader text, which runs confined.")
+    own_glsl_limit_s: float = Field(50.0, gt=0, description="Longest that work on a client's shader text may take.")
     graceful_s: float = Field(10.0, ge=0, description="How long requests may finish when the server stops.")
     log_level: str = Field("info", pattern="^(debug|info|warning|error)$", description="Least level that is logged.")
 

@@ -108,6 +108,7 @@ def run_battery(
         "status": "fail" if any(check["status"] == "fail" for check in [*checks, *edges]) else "pass",
         "checks": checks,
         "stability": stability,
+        "left_out": [],
         "run": {
             "device": info.name,
             "driver": info.driver_version,

@@ -1,8 +1,7 @@
 """Bins of directions that follow the directions themselves, and the chi-square test over them.
 
 Boxes are split at the median of a pilot sample, alternately by elevation and by azimuth, so that a lobe of any width
-gets
-bins of equal weight without anyone telling where it is.
+gets bins of equal weight without anyone telling where it is.
 """
 
 from __future__ import annotations
@@ -20,6 +19,9 @@ from service.checks.regions import TURN, Boxes
 Array = NDArray[Any]
 EXPECTED_AT_LEAST = 20.0
 """Bins with fewer expected hits are pooled; above it the statistic follows its limit out to probabilities of 1e-7."""
+
+CERTAIN = 0.5
+"""A bin takes part where its expectation is known within so many standard deviations of its hits."""
 
 
 @dataclass(frozen=True)
@@ -46,8 +48,7 @@ def partition(t: Array, phi: Array, pilot: int, depth: int) -> Tree:
         t0, t1, p0, p1 = box
         by_t = level % 2 == 0
         low, high = (t0, t1) if by_t else (p0, p1)
-        values = (t if by_t else phi)[first]
-        middle = float(np.median(values)) if len(first) >= 8 else low
+        middle = _median((t if by_t else phi)[first]) if len(first) >= 8 else low
         if level >= depth or len(first) < 8 or not low < middle < high:
             leaf[rows] = len(boxes)
             boxes.append(box)
@@ -66,6 +67,13 @@ def partition(t: Array, phi: Array, pilot: int, depth: int) -> Tree:
     split(np.flatnonzero(above), (0.0, 1.0, 0.0, TURN), 0)
     split(np.flatnonzero(~above), (1.0, 2.0, 0.0, TURN), 0)
     return Tree(np.array(boxes), np.array(extents), np.array(hits, float), leaf)
+
+
+def _median(values: Array) -> float:
+    """As np.median, whose care for NaN costs more than the rest here."""
+    k = len(values) // 2
+    low, high = np.partition(values, (k - 1, k))[k - 1 : k + 1]
+    return float(high if len(values) % 2 else 0.5 * (low + high))
 
 
 def _extent(values: Array) -> tuple[float, float]:
@@ -113,20 +121,37 @@ def _graded(low: float, first: float, last: float, high: float) -> list[float]:
 
 @dataclass(frozen=True)
 class ChiSquare:
-    """Pearson's statistic over pooled bins, its degrees of freedom and the probability of a larger one."""
+    """Pearson's statistic over pooled bins, its degrees of freedom, the probability of a larger one, and the share of
+    all counts in bins that took no part.
+    """
 
     statistic: float
     freedom: int
     probability: float
+    left_out: float
 
 
 def chi_square(observed: Array, expected: Array, uncertainty: Array) -> ChiSquare:
     """Test counts against expectations known to an uncertainty, all (bins,); nothing is fitted.
 
-    Bins with a low expectation are pooled, in the order of their expectations. A difference within the uncertainty of
-    its expectation says nothing and counts as none.
+    A bin whose expectation is not certain takes no part, and the power is lost: its count would tell of the quadrature.
+    Of the others, a difference within the uncertainty counts as none. Bins with a low expectation are pooled, in the
+    order of their expectations. The statistic of some bins alone stays below chi-square with as many degrees of freedom
+    as there are bins (the covariance of hits over expectations has no eigenvalue above 1), with one less for all bins.
     """
     expected = np.maximum(expected, 0.0)
+    certain = uncertainty <= CERTAIN * np.sqrt(np.maximum(expected, 1.0))
+    left_out = 1.0 - float(observed[certain].sum()) / max(float(observed.sum()), 1.0)
+    e, o, s = _pooled(expected[certain], observed[certain], uncertainty[certain])
+    freedom = len(e) - int(certain.all())
+    if len(e) < 2:
+        return ChiSquare(0.0, 0, 1.0, left_out)
+    statistic = float(np.sum(np.maximum(np.abs(o - e) - s, 0.0) ** 2 / np.maximum(e, 1e-300)))
+    return ChiSquare(statistic, freedom, upper_tail(statistic, freedom), left_out)
+
+
+def _pooled(expected: Array, *others: Array) -> list[Array]:
+    """All columns (bins,) summed over pools whose expectations reach EXPECTED_AT_LEAST; large bins stay alone."""
     order = np.argsort(expected)
     sums = np.cumsum(expected[order])
     # Pools close where the running sum passes the next multiple of the least expectation.
@@ -135,13 +160,11 @@ def chi_square(observed: Array, expected: Array, uncertainty: Array) -> ChiSquar
     small_pools = int(pool[~large][-1]) if (~large).any() else 0
     group = np.where(large, 0, np.minimum(pool, max(small_pools - 1, 0)))
     group[large] = np.arange(int(large.sum())) + (max(small_pools, 1) if (~large).any() else 0)
-    e, o, s = (np.bincount(group, column[order]) for column in (expected, observed, uncertainty))
-    if len(e) > 1 and e[0] < EXPECTED_AT_LEAST:  # what is left of all small bins joins the smallest large one
-        e, o, s = (np.concatenate([[column[0] + column[1]], column[2:]]) for column in (e, o, s))
-    if len(e) < 2:
-        return ChiSquare(0.0, 0, 1.0)
-    statistic = float(np.sum(np.maximum(np.abs(o - e) - s, 0.0) ** 2 / np.maximum(e, 1e-300)))
-    return ChiSquare(statistic, len(e) - 1, upper_tail(statistic, len(e) - 1))
+    columns = [np.bincount(group, column[order]) for column in (expected, *others)]
+    if len(columns[0]) > 1 and columns[0][0] < EXPECTED_AT_LEAST:
+        # What is left of all small bins joins the smallest large one.
+        columns = [np.concatenate([[column[0] + column[1]], column[2:]]) for column in columns]
+    return columns
 
 
 def upper_tail(statistic: float, freedom: int) -> float:

@@ -13,10 +13,9 @@ class Effort:
     """Sizes of the battery's parts.
 
     points: random inputs of the point checks. rows: parameter settings of the statistical checks; views: their angles
-    in
-    degrees. samples: directions drawn in each cell. depth: the directions of a cell are counted in 2^depth bins.
-    quadrature: evaluations of the adaptive quadrature. tail_*: the search for large weights. energy_*: settings, views
-    and refinements of the search for the largest albedo.
+    in degrees. samples: directions drawn in each cell. depth: the directions of a cell are counted in 2^depth bins.
+    quadrature: evaluations of the adaptive quadrature. tail_*: the search for large weights. energy_*: settings,
+    refinements and quadrature of the search for the largest albedo.
     """
 
     points: int
@@ -32,6 +31,7 @@ class Effort:
     tail_moves: int
     energy_rows: int
     energy_rounds: int
+    energy_quadrature: int
 
 
 FULL = Effort(
@@ -40,7 +40,7 @@ FULL = Effort(
     views=(0.0, 30.0, 60.0, 80.0, 88.0),
     samples=1 << 17,
     depth=8,
-    quadrature=6_000_000,
+    quadrature=12_000_000,
     tail_rows=6,
     tail_views=(0.3, 45.0, 75.0, 85.0),
     tail_particles=768,
@@ -48,6 +48,7 @@ FULL = Effort(
     tail_moves=6,
     energy_rows=48,
     energy_rounds=3,
+    energy_quadrature=6_000_000,
 )
 QUICK = Effort(
     points=1 << 14,
@@ -55,7 +56,7 @@ QUICK = Effort(
     views=(20.0, 75.0),
     samples=1 << 15,
     depth=6,
-    quadrature=600_000,
+    quadrature=2_000_000,
     tail_rows=3,
     tail_views=(20.0, 75.0),
     tail_particles=256,
@@ -63,4 +64,5 @@ QUICK = Effort(
     tail_moves=4,
     energy_rows=12,
     energy_rounds=1,
+    energy_quadrature=600_000,
 )

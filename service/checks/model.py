@@ -87,20 +87,21 @@ def check_energy(probe: Probe, effort: Effort, rng: np.random.Generator) -> Outc
     )
     parameters = np.repeat(values, len(_VIEWS), axis=0)
     theta = np.tile(_VIEWS, len(values))
-    albedo, declared, error = albedos(probe, theta, parameters, effort.quadrature // 2)
+    albedo, declared, error = albedos(probe, theta, parameters, effort.energy_quadrature // 2)
     has_own = "directional_albedo" in probe.model.declared
     off = np.where(has_own & (albedo > 1e-6), np.abs(declared - albedo) - 2 * error, 0.0) / np.maximum(albedo, 1e-6)
+    surely = albedo - error  # where lobes are too narrow for this quadrature it also errs upwards, by far
     for _ in range(effort.energy_rounds):
-        theta, parameters, albedo = _nearby(probe, theta, parameters, albedo, effort, rng)
+        theta, parameters, surely = _nearby(probe, theta, parameters, surely, effort, rng)
     power = (
         f"{len(values)} settings at {len(_VIEWS)} views, then {effort.energy_rounds} rounds of search "
         f"around the largest; an"
         f" albedo above {ENERGY_LIMIT:g} that covers more than a hundredth of the ranges"
     )
-    best = np.argsort(-albedo)[:6]
+    best = np.argsort(-surely)[:6]
     theta, parameters = theta[best], parameters[best]
     # A search for the largest value finds the largest error as well, so another rule has the last word.
-    albedo, _, error = albedos(probe, theta, parameters, effort.quadrature, 1e-7, order=6)
+    albedo, _, error = albedos(probe, theta, parameters, effort.energy_quadrature, 1e-7, order=6)
     top = int(np.argmax(albedo - error))
     evidence = {
         "largest_albedo": float(albedo[top]),
@@ -134,10 +135,10 @@ def check_energy(probe: Probe, effort: Effort, rng: np.random.Generator) -> Outc
 
 
 def _nearby(
-    probe: Probe, theta: Array, parameters: Array, albedo: Array, effort: Effort, rng: np.random.Generator
+    probe: Probe, theta: Array, parameters: Array, surely: Array, effort: Effort, rng: np.random.Generator
 ) -> tuple[Array, Array, Array]:
-    """The four best settings and views, and new ones around them."""
-    best = np.argsort(-albedo)[:4]
+    """The four best settings and views, and new ones around them, with the albedo that each surely reaches."""
+    best = np.argsort(-surely)[:4]
     count = 4 * effort.energy_rows
     parent = best[rng.integers(0, len(best), count)]
     angle = np.clip(theta[parent] + rng.normal(0, 0.05, count) * (rng.random(count) < 0.7), 0.0, np.radians(89.95))
@@ -151,9 +152,9 @@ def _nearby(
             pick < 0.4, values[:, i], np.where(pick < 0.6, near, np.where(pick < 0.8, scaled, fresh))
         )
     rows = values.astype(np.float32)
-    found, _, _ = albedos(probe, angle, rows, effort.quadrature // 4)
+    found, _, error = albedos(probe, angle, rows, effort.energy_quadrature // 4)
     theta, parameters = np.concatenate([theta[best], angle]), np.concatenate([parameters[best], rows])
-    return theta, parameters, np.concatenate([albedo[best], found])
+    return theta, parameters, np.concatenate([surely[best], found - error])
 
 
 def _curve(probe: Probe, parameters: Array) -> dict[str, Any]:

@@ -98,7 +98,7 @@ def check_finite(probe: Probe, points: Points) -> Outcome:
         # An infinite or huge truth has no float32; a NaN in double precision is no truth.
         excused = np.isinf(single) & ((np.abs(double) > FLOAT32_MAX) | np.isinf(double))
         if name == "weight":  # a ratio of values that have no float32 has none either
-            excused = without_float32 & ~np.isfinite(single) & ~np.isnan(double)
+            excused = excused | (without_float32 & ~np.isfinite(single) & ~np.isnan(double))
         without_float32 = without_float32 | excused
         bad = bad | (~np.isfinite(single) & ~excused)
         beyond = beyond | excused

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from service.catalogue import Catalogue, Entry
+from service.catalogue import Catalogue, Entry, own_text
 from service.errors import BadInput, Problem
 
 DEFAULT_MODEL = "eon"
@@ -54,14 +54,15 @@ def select(
     model: str | None = None,
     techniques: Sequence[str] | None = None,
     fixed: Mapping[str, float] | None = None,
+    text: str | None = None,
 ) -> Subject:
     """Find the subject. A technique runs on `model` (default eon, or the first it is made for), a model with
-    `techniques`.
+    `techniques`. Where `text` is given, it is the file's, which is not read.
 
     BadInput names what does not exist or does not fit; ShaderFileError a file that breaks the contract.
     """
     if is_file(given):
-        catalogue = catalogue.with_file(Path(given))
+        catalogue = catalogue.with_text(own_text(Path(given)) if text is None else text, given)
         entry = next(e for e in (*catalogue.models.values(), *catalogue.techniques.values()) if e.own)
     elif given in catalogue.techniques:
         entry = catalogue.techniques[given]

@@ -62,13 +62,15 @@ def settings(declared: Mapping[str, Parameter], count: int) -> Array:
     return np.array(unique, np.float32).reshape(len(unique), len(columns))
 
 
-def random_settings(declared: Mapping[str, Parameter], count: int, rng: np.random.Generator) -> Array:
-    """Random rows: each value is at an end of its range with probability 1/4, else inside."""
+def random_settings(
+    declared: Mapping[str, Parameter], count: int, rng: np.random.Generator, at_ends: float = 0.25
+) -> Array:
+    """Random rows: each value is at an end of its range with probability `at_ends`, else inside."""
     out = np.empty((count, len(declared)), np.float32)
     for i, p in enumerate(declared.values()):
         inside = np.array([inner_value(p, x) for x in rng.random(count)])
         pick = rng.random(count)
-        out[:, i] = np.where(pick < 0.125, p.min, np.where(pick < 0.25, p.max, inside))
+        out[:, i] = np.where(pick < 0.5 * at_ends, p.min, np.where(pick < at_ends, p.max, inside))
     return out
 
 

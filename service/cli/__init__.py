@@ -18,7 +18,7 @@ EXIT_BAD_INPUT = 2
 EXIT_NO_DEVICE = 3
 EXIT_INTERRUPTED = 130
 
-COMMANDS = ("info", "stats", "converge", "stability", "check", "figure", "serve")
+COMMANDS = ("info", "stats", "converge", "stability", "check", "explain", "figure", "serve")
 
 
 class _Commands(click.Group):

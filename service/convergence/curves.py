@@ -14,6 +14,7 @@ from service.convergence.truth import Truth
 from service.engine import Engine
 from service.estimators.quadrature import quadrature
 from service.estimators.sampled import open_sampler, replicated
+from service.left_out import error_curve_features, structure_without
 from service.moments import from_power_sums
 from service.random_numbers import replicate_key
 from service.scene import Estimator, Method, SeriesPlan
@@ -72,10 +73,11 @@ def sampled_curve(
     many = replicated(cells, keys)
     shape = (scene.replicates, len(cells))
     means, variances = [], []
-    with open_sampler(plan, engine, many, 2, with_max=False, sobol=method == "qmc") as (sampler, built_ms):
+    structure = structure_without(error_curve_features(plan, method))
+    with open_sampler(plan, engine, many, structure, sobol=method == "qmc") as (sampler, built_ms):
         prefixes = sampler.run_prefixes(scene.counts, advance)
         for sums in prefixes:
-            statistics = from_power_sums(sums.counted, sums.shift, sums.powers, 2)
+            statistics = from_power_sums(sums.counted, sums.shift, sums.powers, structure.moments)
             means.append(statistics.mean.reshape(shape))
             variances.append(statistics.variance.reshape(shape))
     largest = prefixes[-1]
@@ -94,10 +96,13 @@ def quadrature_curve(plan: SeriesPlan, scene: ConvergenceScene, engine: Engine, 
     """Errors of the quadrature at ever smaller tolerances. Counts are nodes, on average over the angles."""
     cells = series_cells(plan, scene)
     finite = np.isfinite(truth.variance)
+    structure = structure_without(error_curve_features(plan, "quadrature"))
     runs = []
     for tolerance in TOLERANCES:
         rule = Estimator(method="quadrature", tolerance=tolerance)
-        again = [quadrature(plan, engine, cells, rule, finite, wanted=True) for _ in range(RULE_REPEATS)]
+        again = [
+            quadrature(plan, engine, cells, rule, finite, wanted=True, structure=structure) for _ in range(RULE_REPEATS)
+        ]
         runs.append(min(again, key=lambda run: run.device_ns))
     moments = [run.statistics for run in runs if run.statistics is not None]
     return Curve(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, cast
 
 import numpy as np
@@ -16,6 +16,7 @@ from service.convergence.ranking import Contender, product_interval, rank
 from service.convergence.scene import ConvergenceScene
 from service.convergence.truth import Truth, series_truth
 from service.engine import Engine
+from service.left_out import Feature, error_curve_features, report
 from service.scene import Question, SeriesPlan
 from service.statistics import Progress
 from service.verdict import finite_or_none
@@ -33,11 +34,13 @@ def compute_convergence(question: Question, engine: Engine, progress: Progress =
     sampled = sum(method != "quadrature" for method in scene.estimators)
     curves = max(1, len(question.series) * len(scene.angles_deg) * sampled)
     series: list[dict[str, Any]] = []
+    features: list[Sequence[Feature]] = []
     for plan in question.series:
         truth = series_truth(plan, scene, engine)
         for curve in _curves(plan, scene, engine, truth, advance):
             built_ms += curve.built_ms
             series.append(_series(plan, scene, curve, truth, costs[plan.technique.name], curves))
+            features.append(error_curve_features(plan, curve.method))
     info = engine.device.info
     return {
         "kind": "convergence",
@@ -46,6 +49,7 @@ def compute_convergence(question: Question, engine: Engine, progress: Progress =
         "series": series,
         "ranking": _rankings(scene, series),
         "efficiency": efficiency_table(question, engine, costs),
+        "left_out": report(features),
         "run": {
             "device": info.name,
             "driver": info.driver_version,
@@ -60,7 +64,8 @@ def compute_convergence(question: Question, engine: Engine, progress: Progress =
 def _costs(question: Question, engine: Engine) -> tuple[dict[str, Cost], float]:
     """What drawing and weighing one direction costs, for every technique of the scene; repeats interleaved."""
     plans = {plan.technique.name: plan for plan in question.series}
-    found, built_ms = measure_costs(engine, [Loop(plan.model, plan.technique, "sample") for plan in plans.values()])
+    loops = [Loop(plan.model, plan.technique, "sample") for plan in plans.values()]
+    found, built_ms = measure_costs(engine, loops, progress=lambda *_: engine.pause())
     return dict(zip(plans, found, strict=True)), built_ms
 
 

@@ -34,6 +34,7 @@ def compute_timings(
         "kind": "timings",
         "rows": [_row(loop, cost) for loop, cost in zip(loops, found, strict=True)],
         "source": SOURCE,
+        "left_out": [],
         "run": {
             "device": info.name,
             "driver": info.driver_version,

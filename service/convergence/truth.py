@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from service.catalogue import hemisphere
 from service.engine import Engine
 from service.estimators.quadrature import quadrature
 from service.reference_store import plan_reference
@@ -36,7 +37,7 @@ class Truth:
 
 
 def series_truth(plan: SeriesPlan, scene: Scene, engine: Engine) -> Truth:
-    """The float64 reference; where it is not known, the device's quadrature, whose `uniform` gives the albedo."""
+    """The float64 reference; where it is not known, the device's quadrature in float32."""
     angles = scene.angles_deg
     cells = plan_reference(plan, angles, engine)
     if cells is None:
@@ -52,8 +53,7 @@ def series_truth(plan: SeriesPlan, scene: Scene, engine: Engine) -> Truth:
 
 
 def _by_quadrature(plan: SeriesPlan, scene: Scene, engine: Engine) -> Truth:
-    uniform = replace(plan, technique=engine.catalogue.technique("uniform"))
-    albedo, _, _ = _moments(uniform, scene, engine)
+    albedo, _, _ = _moments(replace(plan, technique=hemisphere()), scene, engine)
     mean, variance, kurtosis = _moments(plan, scene, engine)
     return Truth(albedo, mean, variance, kurtosis)
 

@@ -9,12 +9,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from service.catalogue import SHADERS, Entry, read_entry
+from service.catalogue import hemisphere
 from service.device_reference.pilot import COLUMNS, EVEN_ROWS, GRADED_AT_0, piloted_panels
 from service.device_reference.sky import Sky, bright_points, directions, probability_of_lobe, reflected_and_density
 from service.device_reference.weights import COARSE, DOUBTFUL, MOST_NODES, two_resolutions, uncertainty
@@ -59,13 +58,8 @@ def albedos(probe: Probe, cells: Cells, sky: Sky) -> Albedo:
     return Albedo(albedo, error, lost, lost_error, ~missed & (fine.nonfinite == 0), seen)
 
 
-@cache
-def _hemisphere() -> Entry:
-    return read_entry((SHADERS / "hemisphere.glsl").read_text(encoding="utf-8"), "hemisphere.glsl")
-
-
 def _integrate(probe: Probe, cells: Cells, panels: Panels) -> tuple[Integrals, Integrals]:
-    engine, technique = probe.engine, _hemisphere()
+    engine, technique = probe.engine, hemisphere()
     pipeline = engine.pipeline(probe.model, technique, "quadrature", precision="double")
     columns = [probe.names.index(name) for name in engine.catalogue.parameters_of(probe.model, technique)]
     own = replace(cells, parameters=cells.parameters[:, columns])

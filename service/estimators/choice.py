@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 from service.engine import Engine
 from service.estimators.estimate import Estimate
 from service.estimators.quadrature import LEAST_VARIANCE, quadrature
-from service.estimators.sampled import REPLICATES, Advance, monte_carlo, quasi_monte_carlo
+from service.estimators.sampled import REPLICATES, Advance, monte_carlo, nothing_drawn, quasi_monte_carlo
 from service.reference import CellReference
 from service.sampling import Cells, Journal
 from service.scene import Estimator, Scene, SeriesPlan
+from service.structure import Structure
 
 FIRST_SAMPLES = 1 << 16
 MOST_SAMPLES = 1 << 26
@@ -33,17 +34,20 @@ def estimate(
     engine: Engine,
     cells: Cells,
     reference: Sequence[CellReference] | None,
-    moments: int,
+    structure: Structure,
     advance: Advance = lambda done: None,
     journal: Journal | None = None,
 ) -> Estimate:
     """The statistics of one series by the estimator of the scene, or by the one that reaches its tolerance first.
 
+    structure: what is to be computed; see service.left_out.
     A tolerance without a method is tried with the quadrature, which needs the least; a series that it cannot resolve
     within its budget is sampled by `qmc`, with as many points as its own error bars ask for.
     """
     asked = scene.estimator
-    with_max = "max_weight" in scene.statistics
+    if not structure.drawn:
+        advance(asked.samples * len(cells))
+        return nothing_drawn(len(cells), asked)
     wanted = "variance" in scene.statistics
     finite = np.ones(len(cells), bool)
     if reference is not None:
@@ -51,15 +55,13 @@ def estimate(
 
     def drawn(method: str) -> Draw:
         if method == "mc":
-            return lambda one: monte_carlo(plan, engine, cells, one, moments, with_max, advance, journal)
-        return lambda one: quasi_monte_carlo(
-            plan, engine, cells, scene.angles_deg, one, moments, with_max, advance, journal
-        )
+            return lambda one: monte_carlo(plan, engine, cells, one, structure, advance, journal)
+        return lambda one: quasi_monte_carlo(plan, engine, cells, scene.angles_deg, one, structure, advance, journal)
 
     if asked.method in ("mc", "qmc"):
         draw = drawn(asked.method)
         return draw(asked) if asked.tolerance is None else _sampled_to(draw, asked, finite, wanted)
-    by_rule = quadrature(plan, engine, cells, asked, finite, wanted)
+    by_rule = quadrature(plan, engine, cells, asked, finite, wanted, structure)
     if asked.method == "quadrature" or not np.any(by_rule.unreached & ~by_rule.divergent):
         return by_rule
     by_samples = _sampled_to(drawn("qmc"), asked, finite & ~by_rule.divergent, wanted)

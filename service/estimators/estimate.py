@@ -18,6 +18,7 @@ class Estimate:
 
     estimator: as used, with the count for every cell. statistics: None where no moment was asked for; its standard
     errors are those of the estimator's own replicates (mc, qmc) or its bound of the error (quadrature).
+    zero_fraction: None where zero weights were not counted.
     bad_inputs: sample index and (u1, u2) as float32 of the first sample that is not finite, None where all are.
     evaluations: weights evaluated in all. unreached: cells whose stated error is above the tolerance. divergent: cells
     whose variance grew without limit.
@@ -25,7 +26,7 @@ class Estimate:
 
     estimator: Estimator
     statistics: Statistics | None
-    zero_fraction: NDArray[np.float64]
+    zero_fraction: NDArray[np.float64] | None
     largest: NDArray[np.float64]
     nonfinite: NDArray[np.int64]
     negative: NDArray[np.int64]

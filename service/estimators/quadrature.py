@@ -20,6 +20,7 @@ from service.estimators.panels import NODES, POINTS, SIDE, Array, Panels
 from service.moments import Statistics
 from service.sampling import CELL, TIMEOUT_S, Cells, IncompleteRun
 from service.scene import Estimator, SeriesPlan
+from service.structure import Structure
 from service.variant import Precision
 
 DEFAULT_TOLERANCE = 1e-4
@@ -30,6 +31,7 @@ MOST_NODES = 1 << 17
 Bools = NDArray[np.bool_]
 _PANELS_PER_GROUP = 8  # the same constant stands in shaders/quadrature.comp
 _CHUNK = 16384  # panels in a dispatch: a million nodes
+_ALL = Structure()
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,13 @@ _LAYOUTS: Mapping[Precision, _Layout] = {
 
 
 def quadrature(
-    plan: SeriesPlan, engine: Engine, cells: Cells, estimator: Estimator, finite: Bools, wanted: bool
+    plan: SeriesPlan,
+    engine: Engine,
+    cells: Cells,
+    estimator: Estimator,
+    finite: Bools,
+    wanted: bool,
+    structure: Structure = _ALL,
 ) -> Estimate:
     """Mean and variance to the tolerance of the estimator, as estimated by the rule itself.
 
@@ -62,7 +70,8 @@ def quadrature(
     asked for at all; if not, only the mean has to reach the tolerance.
     """
     begin = time.perf_counter()
-    pipeline = engine.pipeline(plan.model, plan.technique, "quadrature")
+    constants = structure.shared_constants(plan.model, [plan.technique])
+    pipeline = engine.pipeline(plan.model, plan.technique, "quadrature", constants)
     tolerance = estimator.tolerance or DEFAULT_TOLERANCE
     goal = Goal(tolerance, LEAST_VARIANCE, finite & wanted, max(MOST_NODES, estimator.samples // 8))
     with Evaluator(engine.device, pipeline, cells) as evaluate:

@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +18,7 @@ from service.moments import Statistics, from_power_sums
 from service.random_numbers import random_pairs, replicate_key, scrambled_sobol_pairs
 from service.sampling import Cells, CellSums, Journal, Sampler
 from service.scene import Estimator, SeriesPlan
+from service.structure import Structure
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -29,11 +30,12 @@ REPLICATES = 16
 
 @contextmanager
 def open_sampler(
-    plan: SeriesPlan, engine: Engine, cells: Cells, moments: int, with_max: bool, sobol: bool
+    plan: SeriesPlan, engine: Engine, cells: Cells, structure: Structure, *, sobol: bool
 ) -> Iterator[tuple[Sampler, float]]:
     """A warm sampler for the cells of a series, and the milliseconds that building it took."""
     begin = time.perf_counter()
-    pipeline = engine.pipeline(plan.model, plan.technique, "statistics", {0: moments, 1: with_max, 2: sobol})
+    constants = structure.statistics_constants(plan.model, [plan.technique], sobol=sobol)
+    pipeline = engine.pipeline(plan.model, plan.technique, "statistics", constants)
     with Sampler(engine.device, pipeline, cells) as sampler:
         if engine.first_use(pipeline):
             sampler.warm_up()
@@ -46,19 +48,43 @@ def replicated(cells: Cells, replicates: Sequence[tuple[int, int]]) -> Cells:
     return Cells(np.tile(cells.wo, (times, 1)), np.array(replicates, np.uint32), np.tile(cells.parameters, (times, 1)))
 
 
+def _sums(
+    plan: SeriesPlan,
+    engine: Engine,
+    cells: Cells,
+    structure: Structure,
+    samples: int,
+    advance: Advance,
+    journal: Journal | None,
+    *,
+    sobol: bool,
+) -> tuple[CellSums, float]:
+    """What so many samples of every cell give, and the milliseconds that building the shader took.
+
+    The index of a non-finite sample is kept only when there is one: they are then drawn again by a shader that looks.
+    """
+    with open_sampler(plan, engine, cells, structure, sobol=sobol) as (sampler, built_ms):
+        sums = sampler.run(samples, advance, journal)
+    if structure.first_bad or not sums.nonfinite.any():
+        return sums, built_ms
+    looking = replace(structure, first_bad=True)
+    again, more_ms = _sums(plan, engine, cells, looking, samples, lambda _: advance(0), journal, sobol=sobol)
+    again.device_ns += sums.device_ns
+    return again, built_ms + more_ms
+
+
 def monte_carlo(
     plan: SeriesPlan,
     engine: Engine,
     cells: Cells,
     estimator: Estimator,
-    moments: int,
-    with_max: bool,
+    structure: Structure,
     advance: Advance = lambda done: None,
     journal: Journal | None = None,
 ) -> Estimate:
     """Independent samples; the error bars are theirs."""
-    with open_sampler(plan, engine, cells, moments, with_max, sobol=False) as (sampler, built_ms):
-        sums = sampler.run(estimator.samples, advance, journal)
+    moments = structure.moments
+    sums, built_ms = _sums(plan, engine, cells, structure, estimator.samples, advance, journal, sobol=False)
     bad = [
         (index, random_pairs(_key(cells, at), np.array([index], np.uint64))[0]) if index >= 0 else None
         for at, index in enumerate(sums.first_bad.tolist())
@@ -66,7 +92,7 @@ def monte_carlo(
     return Estimate(
         estimator=estimator.model_copy(update={"method": "mc"}),
         statistics=from_power_sums(sums.counted, sums.shift, sums.powers, moments) if moments else None,
-        zero_fraction=sums.zero / sums.drawn,
+        zero_fraction=sums.zero / sums.drawn if structure.zeros else None,
         largest=sums.largest,
         nonfinite=sums.nonfinite,
         negative=sums.negative,
@@ -79,14 +105,33 @@ def monte_carlo(
     )
 
 
+def nothing_drawn(cells: int, estimator: Estimator) -> Estimate:
+    """The estimate of a black model: every weight is 0, whatever is drawn."""
+    zeros, none = np.zeros(cells), np.zeros(cells, np.int64)
+    drawn = estimator.samples if estimator.method == "mc" else REPLICATES  # one sample has no variance
+    return Estimate(
+        estimator=estimator.model_copy(update={"method": estimator.method or "quadrature"}),
+        statistics=from_power_sums(np.full(cells, drawn), zeros, np.zeros((4, cells))),
+        zero_fraction=np.ones(cells),
+        largest=zeros,
+        nonfinite=none,
+        negative=none,
+        bad_inputs=[None] * cells,
+        unreached=np.zeros(cells, bool),
+        divergent=np.zeros(cells, bool),
+        evaluations=0,
+        device_ns=0,
+        built_ms=0.0,
+    )
+
+
 def quasi_monte_carlo(
     plan: SeriesPlan,
     engine: Engine,
     cells: Cells,
     angles_deg: Sequence[float],
     estimator: Estimator,
-    moments: int,
-    with_max: bool,
+    structure: Structure,
     advance: Advance = lambda done: None,
     journal: Journal | None = None,
 ) -> Estimate:
@@ -94,8 +139,8 @@ def quasi_monte_carlo(
     points = points_for(estimator.samples)
     keys = [replicate_key(estimator.seed, r, angle) for r in range(REPLICATES) for angle in angles_deg]
     many = replicated(cells, keys)
-    with open_sampler(plan, engine, many, moments, with_max, sobol=True) as (sampler, built_ms):
-        sums = sampler.run(points, advance, journal)
+    moments = structure.moments
+    sums, built_ms = _sums(plan, engine, many, structure, points, advance, journal, sobol=True)
     by_replicate = (REPLICATES, len(cells))
     first_bad = sums.first_bad.reshape(by_replicate)
     bad: list[tuple[int, NDArray[np.float32]] | None] = []
@@ -110,7 +155,7 @@ def quasi_monte_carlo(
     return Estimate(
         estimator=estimator.model_copy(update={"method": "qmc", "samples": points * REPLICATES}),
         statistics=_pooled(sums, by_replicate, moments) if moments else None,
-        zero_fraction=(sums.zero / sums.drawn).reshape(by_replicate).mean(axis=0),
+        zero_fraction=(sums.zero / sums.drawn).reshape(by_replicate).mean(axis=0) if structure.zeros else None,
         largest=sums.largest.reshape(by_replicate).max(axis=0),
         nonfinite=sums.nonfinite.reshape(by_replicate).sum(axis=0),
         negative=sums.negative.reshape(by_replicate).sum(axis=0),

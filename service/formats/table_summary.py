@@ -95,9 +95,15 @@ def run_lines(result: Mapping[str, Any], width: int) -> str:
         f"driver    {run.get('driver') or '-'}",
         "time      " + ", ".join(f"{name} {run[key]:.1f} ms" for name, key in times if run.get(key) is not None),
     ]
-    left_out = [f"{entry.get('feature')} ({entry.get('reason')})" for entry in result.get("left_out") or []]
     if "left_out" in result:
-        lines.append("left out  " + ("; ".join(left_out) or "nothing"))
+        series = len(result.get("series") or [])
+        lines.append("left out  " + ("; ".join(_left_out(entry, series) for entry in result["left_out"]) or "nothing"))
     return "\n".join(
         row for line in lines for row in textwrap.wrap(line, width, subsequent_indent=" " * 10, break_long_words=True)
     )
+
+
+def _left_out(entry: Mapping[str, Any], series: int) -> str:
+    where = entry.get("series", range(series))
+    some = f", {len(where)} of {series} series" if len(where) < series else ""
+    return f"{entry['feature']} ({entry['reason']}{some})"

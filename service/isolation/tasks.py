@@ -1,17 +1,21 @@
-"""What a worker can do: functions from plain data to a result, one a command."""
+"""What a worker can do: functions from plain data to a result, one a command.
+
+`arguments` carry the text of a user's file, since a worker may not read files. `seal(engine, pairs)` is called when the
+device is open and nothing of the file has run yet, with the pairs of model and technique that the task is about.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from pathlib import Path
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from service.catalogue import load_catalogue
+from service.catalogue import Entry, load_catalogue
 from service.checks.battery import Battery, run_battery
 from service.checks.replaying import replay_inputs
-from service.checks.selection import select
+from service.checks.selection import Subject, select
 from service.convergence import compute_convergence, parse_convergence_scene
 from service.engine import Engine
+from service.explain import compute_explanation, parse_explain_scene
 from service.scene import Scene, parse_scene, resolve
 from service.stability import compute_stability
 from service.statistics import compute_statistics
@@ -19,71 +23,89 @@ from service.statistics import compute_statistics
 Arguments = Mapping[str, Any]
 Progress = Callable[[str, int, int], None]
 Parse = Callable[[Mapping[str, Any]], Scene]
+Pairs = Sequence[tuple[Entry, Entry]]
+Seal = Callable[[Engine, Pairs], None]
 
 
-def check(arguments: Arguments, progress: Progress) -> dict[str, Any]:
+def stay_open(engine: Engine, pairs: Pairs) -> None:
+    """The seal of a process that runs the catalogue only: none."""
+
+
+def check(arguments: Arguments, progress: Progress, seal: Seal = stay_open) -> dict[str, Any]:
     """The battery over `subject`: a file, or a name of the catalogue."""
-    subject = select(
-        arguments["subject"], load_catalogue(), arguments["model"], arguments["techniques"], arguments["fixed"]
-    )
+    subject = _subject(arguments)
+    progress("compiling", 0, 1)
     with Engine.open(subject.catalogue, device=arguments["device"]) as engine:
+        seal(engine, [(subject.model, technique) for technique in subject.techniques])
         return run_battery(engine, subject, Battery(arguments["seed"], arguments["quick"]), progress)
 
 
-def replay(arguments: Arguments, progress: Progress) -> dict[str, Any]:
+def replay(arguments: Arguments, progress: Progress, seal: Seal = stay_open) -> dict[str, Any]:
     """One evaluation of `subject` again."""
-    subject = select(
-        arguments["subject"], load_catalogue(), arguments["model"], arguments["techniques"], arguments["fixed"]
-    )
+    subject = _subject(arguments)
     progress("compiling", 0, 1)
     with Engine.open(subject.catalogue, device=arguments["device"]) as engine:
+        seal(engine, [(subject.model, technique) for technique in subject.techniques])
         return replay_inputs(engine, subject, arguments["wo"], arguments["u"], arguments["wi"])
 
 
-def statistics(arguments: Arguments, progress: Progress) -> dict[str, Any]:
+def _subject(arguments: Arguments) -> Subject:
+    return select(
+        arguments["subject"],
+        load_catalogue(),
+        arguments["model"],
+        arguments["techniques"],
+        arguments["fixed"],
+        arguments["text"],
+    )
+
+
+def statistics(arguments: Arguments, progress: Progress, seal: Seal = stay_open) -> dict[str, Any]:
     """Statistics of a scene whose model or technique is a user's file."""
-    return _of_scene(compute_statistics, parse_scene, arguments, progress)
+    return _of_scene(compute_statistics, parse_scene, arguments, progress, seal)
 
 
-def stability(arguments: Arguments, progress: Progress) -> dict[str, Any]:
+def stability(arguments: Arguments, progress: Progress, seal: Seal = stay_open) -> dict[str, Any]:
     """Stability of a scene whose model or technique may be a user's file."""
-    return _of_scene(compute_stability, parse_scene, arguments, progress)
+    return _of_scene(compute_stability, parse_scene, arguments, progress, seal)
 
 
-def convergence(arguments: Arguments, progress: Progress) -> dict[str, Any]:
+def convergence(arguments: Arguments, progress: Progress, seal: Seal = stay_open) -> dict[str, Any]:
     """Error against run time of a scene whose model or technique is a user's file."""
-    return _of_scene(compute_convergence, parse_convergence_scene, arguments, progress)
+    return _of_scene(compute_convergence, parse_convergence_scene, arguments, progress, seal)
+
+
+def explain(arguments: Arguments, progress: Progress, seal: Seal = stay_open) -> dict[str, Any]:
+    """What the shaders of a scene leave out, whose model or technique is a user's file.
+
+    It is not sealed: compiling anew, on a device of its own, is part of what it measures.
+    """
+    parse_explain_scene(arguments["scene"])
+    return _of_scene(compute_explanation, parse_scene, arguments, progress, stay_open)
 
 
 def _of_scene(
-    compute: Callable[..., dict[str, Any]], parse: Parse, arguments: Arguments, progress: Progress
+    compute: Callable[..., dict[str, Any]], parse: Parse, arguments: Arguments, progress: Progress, seal: Seal
 ) -> dict[str, Any]:
-    catalogue = load_catalogue()
+    catalogue, scene = load_catalogue(), arguments["scene"]
     if arguments["file"] is not None:
-        catalogue = catalogue.with_file(Path(arguments["file"]))
-    question = resolve(parse(arguments["scene"]), catalogue)
+        # A file of a technique runs on the model it is made for, a model with the techniques for models.
+        subject = select(arguments["file"], catalogue, text=arguments["text"])
+        techniques = scene.get("techniques") or [technique.name for technique in subject.techniques]
+        scene = {**scene, "model": subject.model.name, "techniques": techniques}
+        catalogue = subject.catalogue
+    question = resolve(parse(scene), catalogue)
     progress("compiling", 0, 1)
     with Engine.open(catalogue, device=arguments["device"]) as engine:
+        seal(engine, [(plan.model, plan.technique) for plan in question.series])
         return compute(question, engine, progress)
 
 
-def file_scene(path: str, scene: Mapping[str, Any], parse: Parse = parse_scene) -> dict[str, Any]:
-    """A scene whose model is given as a path: by name, with the techniques that go with the file.
-
-    `parse` checks the form of a scene of its kind. A file of a technique runs on the model it is made for.
-    Raises as reading the file and checking the scene do.
-    """
-    subject = select(path, load_catalogue())
-    techniques = scene.get("techniques") or [technique.name for technique in subject.techniques]
-    out = {**scene, "model": subject.model.name, "techniques": techniques}
-    resolve(parse(out), subject.catalogue)
-    return out
-
-
-TASKS: Mapping[str, Callable[[Arguments, Progress], dict[str, Any]]] = {
+TASKS: Mapping[str, Callable[[Arguments, Progress, Seal], dict[str, Any]]] = {
     "check": check,
     "replay": replay,
     "statistics": statistics,
     "stability": stability,
     "convergence": convergence,
+    "explain": explain,
 }

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import contextlib
-import ctypes
 import json
 import os
-import resource
-import signal
 import sys
+from importlib import import_module
 from typing import Any
 
-_PR_SET_PDEATHSIG, _PR_SET_NO_NEW_PRIVS = 1, 38
+_LAZY = ("numpy.fft", "numpy.linalg", "numpy.ma", "numpy.polynomial", "numpy.random")
+"""What NumPy loads when it is first used, itself too: its median asks for masked arrays."""
 
 
 def main() -> None:
@@ -24,34 +22,44 @@ def main() -> None:
         channel.flush()
 
     job = json.loads(sys.stdin.readline())
-    limit(job["memory_bytes"])
-    from lavapipe import DeviceNotFound, LavapipeError
-    from service.errors import SamplerscopeError
-    from service.isolation import tasks
+    # What is read is read before the right to read goes: modules, the catalogue, the jobs.
+    for part in _LAZY:
+        import_module(part)
+    from lavapipe import CompileError, DeviceNotFound, LavapipeError
+    from service.catalogue import load_catalogue
+    from service.engine import Engine
+    from service.errors import BadInput, SamplerscopeError
+    from service.isolation import confinement, tasks
+    from service.variant import job_texts
+
+    def seal(engine: Engine, pairs: tasks.Pairs) -> None:
+        """Compile all that the task may need, which takes a program, and give up everything but computing."""
+        engine.compile_all(pairs)
+        try:
+            confinement.allow_computing_only()
+        except confinement.CannotConfine:
+            if job["strict"]:
+                raise
 
     try:
-        run = tasks.TASKS[job["task"]]
-        say(result=run(job["arguments"], lambda *what: say(progress=what)))
+        load_catalogue()
+        job_texts()
+        confinement.limit(job["memory_bytes"])
+        try:
+            confinement.become_unprivileged()
+        except confinement.CannotConfine:
+            if job["strict"]:
+                raise
+        say(result=tasks.TASKS[job["task"]](job["arguments"], lambda *what: say(progress=what), seal))
     except (SamplerscopeError, LavapipeError, OSError) as error:
-        say(error=str(error), no_device=isinstance(error, DeviceNotFound))
+        say(
+            error=str(error),
+            no_device=isinstance(error, DeviceNotFound),
+            diagnostics=[vars(one) for one in error.diagnostics] if isinstance(error, CompileError) else [],
+            problems=[vars(one) for one in error.problems] if isinstance(error, BadInput) else [],
+        )
     except MemoryError:
-        say(error="out of memory", no_device=False)
+        say(error="out of memory", no_device=False, diagnostics=[], problems=[])
     channel.flush()
     # The driver's threads may still be at work; nothing of theirs is wanted.
     os._exit(0)
-
-
-def limit(memory_bytes: int) -> None:
-    """Bound what this process may take, and let it end with its parent."""
-    prctl = ctypes.CDLL(None).prctl
-    prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
-    prctl(_PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0)
-    for kind, wanted in (
-        (resource.RLIMIT_AS, memory_bytes),
-        (resource.RLIMIT_CORE, 0),
-        (resource.RLIMIT_FSIZE, 1 << 28),
-    ):
-        _, hard = resource.getrlimit(kind)
-        bound = wanted if hard == resource.RLIM_INFINITY else min(wanted, hard)
-        with contextlib.suppress(ValueError, OSError):
-            resource.setrlimit(kind, (bound, bound))

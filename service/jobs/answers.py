@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections import Counter, OrderedDict
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
@@ -113,6 +113,13 @@ class Answers:
             client,
             lambda: self._answer(asked, Task(head, resumable=resumable)),
         )
+
+    async def compute_own(
+        self, key: str, lane: Lane, task: str, arguments: Mapping[str, Any], limit_s: float, client: str
+    ) -> Answered:
+        """Have a task of `service.isolation.tasks` done over a user's own file; raises as `compute` does."""
+        head = {"do": "own", "task": task, "arguments": dict(arguments), "limit_s": limit_s}
+        return await self._together(key, f"own-{task}", client, lambda: self._run(key, lane, Task(head)))
 
     async def encode(self, key: str, stored: Stored, format_: str, figure: str | None, client: str) -> Answered:
         """A stored JSON result in another format, stored as well; raises as `compute` does. A `figure` of a paper has a

@@ -42,6 +42,12 @@ def ask(kind: str, scene: Scene, catalogue: Catalogue, device: Mapping[str, Any]
     return Asked(kind, question, hashlib.blake2b("\0".join(parts).encode(), digest_size=20).hexdigest())
 
 
+def own_key(task: str, arguments: Mapping[str, Any], device: Mapping[str, Any] | None) -> str:
+    """The key of a question about a user's own file, whose text is among the arguments."""
+    parts = [task, arguments, [(device or {}).get(name) for name in ("name", "driver")], _code_digest()]
+    return hashlib.blake2b(json.dumps(parts, sort_keys=True).encode(), digest_size=20).hexdigest()
+
+
 @cache
 def _entry_digest(entry: Entry) -> str:
     return hashlib.blake2b(entry.code.encode()).hexdigest()

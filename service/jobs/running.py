@@ -163,7 +163,13 @@ class Jobs:
 
     def _launch(self, job: Job, checkpoints: dict[str, bytes], *, beyond_limit: bool = False) -> None:
         head = {"do": "answer", "kind": job.kind, "scene": dict(job.scene), "partial": True}
-        task = Task(head, resumable=KINDS[job.kind].resumable, tries=TRIES, checkpoints=checkpoints)
+        task = Task(
+            head,
+            resumable=KINDS[job.kind].resumable,
+            estimate_s=job.estimate_s,
+            tries=TRIES,
+            checkpoints=checkpoints,
+        )
         live = _Live(job, task)
         task.hear = lambda message: self._hear(live, message)
         self._lane.submit(task, beyond_limit=beyond_limit)

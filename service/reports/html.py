@@ -72,7 +72,15 @@ def _stability(stability: Mapping[str, Any]) -> Iterator[str]:
         ],
     )
     yield _table(
-        ["technique", "quantity", "points beyond 8 ulp", "worst, ulp", "by rounded inputs, ulp", "reason"],
+        [
+            "technique",
+            "quantity",
+            "points beyond 8 ulp",
+            "worst, ulp",
+            "by rounded inputs, ulp",
+            "by a rounded direction, ulp",
+            "reason",
+        ],
         [
             [
                 escape(e["technique"]),
@@ -80,11 +88,12 @@ def _stability(stability: Mapping[str, Any]) -> Iterator[str]:
                 f"{e['points']:,}",
                 f"{e['worst_ulp']:.3g}",
                 f"{e['by_rounded_inputs_ulp']:.3g}",
+                "" if e["by_rounded_direction_ulp"] is None else f"{e['by_rounded_direction_ulp']:.3g}",
                 escape(e["reason"]),
             ]
             for e in stability["exceptions"]
         ],
-        numbers=range(2, 5),
+        numbers=range(2, 6),
     )
 
 

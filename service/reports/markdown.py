@@ -59,15 +59,22 @@ def _stability(stability: Mapping[str, Any]) -> list[str]:
     lines = ["## Edge grid: float32 against float64", ""]
     lines += [f"- {check['technique']}: {_MARKS[check['status']]}, {check['message']}" for check in stability["checks"]]
     if stability["exceptions"]:
-        lines += ["", "| technique | quantity | points beyond 8 ulp | worst, ulp | by rounded inputs, ulp | reason |"]
-        lines += ["|---|---|---:|---:|---:|---|"]
+        lines += [
+            "",
+            "| technique | quantity | points beyond 8 ulp | worst, ulp | by rounded inputs, ulp "
+            "| by a rounded direction, ulp | reason |",
+        ]
+        lines += ["|---|---|---:|---:|---:|---:|---|"]
         lines += [
             f"| {e['technique']} | {e['quantity']} | {e['points']:,} | {e['worst_ulp']:.3g} | "
-            f"{e['by_rounded_inputs_ulp']:.3g} |"
-            f" {_cell(e['reason'])} |"
+            f"{e['by_rounded_inputs_ulp']:.3g} | {_ulp(e['by_rounded_direction_ulp'])} | {_cell(e['reason'])} |"
             for e in stability["exceptions"]
         ]
     return lines
+
+
+def _ulp(value: float | None) -> str:
+    return "" if value is None else f"{value:.3g}"
 
 
 def _cell(text: str) -> str:

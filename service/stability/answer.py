@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -29,8 +29,9 @@ AT_HORIZON = 16 * 2.0**-24
 def compute_stability(question: Question, engine: Engine, progress: Progress = lambda *_: None) -> dict[str, Any]:
     """A result of kind `stability`: the edge grid of each technique, its exceptions, and the stiffest places.
 
-    Parameters that the scene names keep those values; the others run over the edges of their ranges. Angles, samples
-    and statistics of the scene play no part. Fails where a value is not finite, or far off without a reason.
+    Parameters that the scene names keep those values; the others run over the edges of their ranges. Azimuths of the
+    scene join those of the edge grid; its view angles, samples and statistics play no part. Fails where a value is not
+    finite, or far off without a reason.
     """
     begin = time.perf_counter()
     scene = question.scene
@@ -38,7 +39,8 @@ def compute_stability(question: Question, engine: Engine, progress: Progress = l
     found: dict[str, list[dict[str, Any]]] = {"regions": [], "exceptions": [], "stiffness": [], "checks": []}
     for done, (model, technique) in enumerate(pairs):
         progress(f"{technique.name}: edge grid", done, len(pairs))
-        one = survey_pair(engine, model, technique, scene.parameters, first=done == 0)
+        turns = [azimuth / 360 % 1.0 for azimuth in scene.phi_o_deg or []] if model.head.anisotropic else []
+        one = survey_pair(engine, model, technique, scene.parameters, turns, first=done == 0)
         given = next((entry.origin for entry in (technique, model) if entry.own), technique.name)
         for check in one["checks"]:
             if check["replay"] is not None:
@@ -51,6 +53,7 @@ def compute_stability(question: Question, engine: Engine, progress: Progress = l
         "scene": scene.model_dump(mode="json"),
         "status": "fail" if any(check["status"] == "fail" for check in found["checks"]) else "pass",
         **found,
+        "left_out": [],
         "run": {
             "device": info.name,
             "driver": info.driver_version,
@@ -60,9 +63,15 @@ def compute_stability(question: Question, engine: Engine, progress: Progress = l
 
 
 def survey_pair(
-    engine: Engine, model: Entry, technique: Entry, given: Mapping[str, list[float]], *, first: bool
+    engine: Engine,
+    model: Entry,
+    technique: Entry,
+    given: Mapping[str, list[float]],
+    turns: Sequence[float] = (),
+    *,
+    first: bool,
 ) -> dict[str, list[dict[str, Any]]]:
-    """Regions, exceptions, stiffness and the check of one model and technique.
+    """Regions, exceptions, stiffness and the check of one model and technique; `turns` are azimuths beside the edges.
 
     What the model alone answers is the same for every technique: it is compared with the first one only.
     """
@@ -73,7 +82,7 @@ def survey_pair(
     areas, listed, counts = [], [], {"points": 0, "nonfinite": 0, "wrong": 0}
     first_bad: dict[str, Any] | None = None
     for drawn in (True, False):
-        points = edge_points(probe, given, drawn)
+        points = edge_points(probe, given, drawn, turns)
         truth = points.evaluate(probe, "double")
         single = points.evaluate(probe, "float")
         comparisons = compare(points, single, truth, quantities, _truth_at_rounded(probe, points, single))
@@ -128,6 +137,7 @@ def _exceptions(
                     "points": e.points,
                     "worst_ulp": e.ulp,
                     "by_rounded_inputs_ulp": e.effect,
+                    "by_rounded_direction_ulp": e.direction_effect,
                     "relative_error": e.relative,
                     "worst": where,
                 }

@@ -16,7 +16,8 @@ STEP = 2.0**-24
 
 EDGE_COSINES = (1.0, 1 - STEP, 0.5, 1e-2, 1e-4, 1e-6, 1e-7, 2.0**-126, 0.0)
 EDGE_NUMBERS = (0.0, STEP, 2 * STEP, 0.5, 1 - 2 * STEP, 1 - STEP)
-EDGE_TURNS = (0.0, 2.0**-23, 0.125, 0.25 - 2.0**-25, 0.25, 0.5, 0.61, 0.75, 1 - 2.0**-23)
+NEXT_TO_SEAMS = (2.0**-23, 0.25 - 2.0**-25, 1 - 2.0**-23)
+EDGE_TURNS = tuple(sorted((0.0, 0.125, 0.25, 0.5, 0.61, 0.75, *NEXT_TO_SEAMS)))
 """Azimuths of the view in turns: quarters, next to them, and on both sides of the seam."""
 
 _NEAR_ZERO = (1e-38, 1e-30, 1e-12, 1e-7, 1e-6, 1e-3)

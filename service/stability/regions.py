@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from service.checks.outcome import plain
 from service.checks.subject import bits
 from service.probe import Probe
+from service.stability.grid import EDGE_TURNS, NEXT_TO_SEAMS
 from service.stability.survey import DIRECTION_ULP, SMALLEST, Comparison, Points, last_place
 
 Array = NDArray[Any]
@@ -24,7 +25,11 @@ LOST = 1e-3
 
 @dataclass(frozen=True)
 class Exceptional:
-    """Points of one quantity beyond the limit that share a reason; `effect` is the change by rounded inputs, in ulp."""
+    """Points of one quantity beyond the limit that share a reason.
+
+    At the worst of them `effect` is the change of the truth by rounded inputs and `direction_effect` that by a rounded
+    direction, in ulp; None where no direction is drawn, or the quantity does not depend on it.
+    """
 
     quantity: str
     reason: str
@@ -32,6 +37,7 @@ class Exceptional:
     worst: int
     ulp: float
     effect: float
+    direction_effect: float | None
     relative: float
 
 
@@ -44,7 +50,8 @@ def region_masks(probe: Probe, points: Points) -> Iterator[tuple[str, Array]]:
     yield "grazing view", inside & (mu > 0) & (mu < 1e-2)
     yield "view at the horizon", inside & (mu == 0)
     yield "azimuth at quarter turns", inside & np.isin(points.turn, (0.25, 0.5, 0.75, 0.0))
-    yield "azimuth next to seams", inside & ~np.isin(points.turn, (0.25, 0.5, 0.75, 0.0, 0.125, 0.61))
+    yield "azimuth next to seams", inside & np.isin(points.turn, NEXT_TO_SEAMS)
+    yield "azimuth of the scene", inside & ~np.isin(points.turn, EDGE_TURNS)
     if points.drawn:
         u = points.value
         yield "u1 at its ends", inside & ((u[:, 0] < 1e-6) | (u[:, 0] > 0.999999))
@@ -125,8 +132,13 @@ def exceptions(
     relative = comparison.ulp * unit / size
     stiff = over & (comparison.ulp <= ULP_LIMIT * (1.0 + allowed))
     border = over & ~stiff & at_horizon
-    by_direction = 0.0 if of_direction is None else of_direction / unit
-    blurred = over & ~stiff & ~border & (comparison.ulp <= ULP_LIMIT * (1.0 + by_direction))
+    by_direction = None if of_direction is None else of_direction / unit
+    blurred = (
+        over
+        & ~stiff
+        & ~border
+        & (comparison.ulp <= ULP_LIMIT * (1.0 + (0.0 if by_direction is None else by_direction)))
+    )
     lost = over & ~stiff & ~border & ~blurred & (relative <= LOST)
     reasons = (
         ("stiff: rounding the inputs changes the true value by as much", stiff),
@@ -147,6 +159,7 @@ def exceptions(
                     i,
                     float(comparison.ulp[i]),
                     float(allowed[i]),
+                    None if by_direction is None else float(by_direction[i]),
                     float(relative[i]),
                 )
             )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -69,10 +69,15 @@ class Comparison:
     beyond: Array
 
 
-def edge_points(probe: Probe, given: Mapping[str, list[float]], drawn: bool) -> Points:
-    """The edge grid of a pair. Parameters in `given` take those values, the others their edges and one step beyond."""
+def edge_points(
+    probe: Probe, given: Mapping[str, list[float]], drawn: bool, turns_beside: Sequence[float] = ()
+) -> Points:
+    """The edge grid of a pair, and the same at azimuths beside its own, in turns.
+
+    Parameters in `given` take those values, the others their edges and one step beyond.
+    """
     rows, inside = _settings(probe, given)
-    cosines, turns = np.array(EDGE_COSINES), np.array(EDGE_TURNS)
+    cosines, turns = np.array(EDGE_COSINES), np.array(list(dict.fromkeys((*EDGE_TURNS, *turns_beside))))
     numbers = np.array(EDGE_NUMBERS)
     seconds = len(numbers) ** 2 if drawn else len(_SPECIAL)
     shape = (len(cosines), len(turns), seconds, len(rows))

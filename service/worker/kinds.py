@@ -12,6 +12,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from service.convergence.scene import ConvergenceScene, parse_convergence_scene
+from service.explain.scene import draws, parse_explain_scene
 from service.scene import Question, Scene, parse_scene
 
 if TYPE_CHECKING:
@@ -108,6 +109,14 @@ KINDS: Mapping[str, Kind] = {
             parse=parse_scene,
             samples=_stability_samples,
             function="service.stability:compute_stability",
+        ),
+        Kind(
+            name="explain",
+            title="What the shaders of a scene leave out, and what that saves",
+            scene=Scene,
+            parse=parse_explain_scene,
+            samples=draws,
+            function="service.explain:compute_explanation",
         ),
         Kind(
             name="slices",

@@ -2,7 +2,8 @@
 
 The device goes to the task that had least of it so far, so small tasks overtake huge ones and equal ones share. A task
 that can be resumed gives way at its next launch when another waits that had less; its checkpoints are kept here, which
-is also why the death of a worker costs it no more than the launches that were under way.
+is also why the death of a worker costs it no more than the launches that were under way. One that cannot be resumed
+stays at the worker and has guests: tasks that go first at its next step, and then it goes on.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import asyncio
 import itertools
 import logging
+import math
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -59,11 +61,13 @@ class Task:
     """Something to be done. `checkpoints` holds the latest bytes of every run that has begun.
 
     `tries` is how many workers it may use up without getting further; `hear` is called with every message about it.
+    `estimate_s` is what it is expected to take.
     """
 
     head: dict[str, Any]
     blobs: tuple[bytes, ...] = ()
     resumable: bool = False
+    estimate_s: float = math.inf
     tries: int = 1
     hear: Callable[[Message], None] = lambda message: None
     checkpoints: dict[str, bytes] = field(default_factory=dict)
@@ -94,7 +98,7 @@ class Lane:
     def __init__(self, settings: LaneSettings, on_restart: Callable[[str], None] = lambda name: None) -> None:
         self.settings = settings
         self.waiting: list[Task] = []
-        self.running: Task | None = None
+        self.at_work: list[Task] = []
         self.worker: WorkerProcess | None = None
         self.device: dict[str, Any] | None = None
         self.failure: Exception | None = None
@@ -104,6 +108,11 @@ class Lane:
         self._up = asyncio.Event()
         self._closing = False
         self._keeper: asyncio.Task[None] | None = None
+
+    @property
+    def running(self) -> Task | None:
+        """The task that the worker was given first, where it is at one; its guest comes after it in `at_work`."""
+        return self.at_work[0] if self.at_work else None
 
     async def start(self) -> None:
         """Start the worker. Raises NoDevice or WorkerLost where that fails the first time."""
@@ -121,7 +130,7 @@ class Lane:
             self._keeper.cancel()
             with suppress(asyncio.CancelledError):
                 await self._keeper
-        for task in [*self.waiting, *([self.running] if self.running else [])]:
+        for task in (*self.waiting, *self.at_work):
             task.fail(Cancelled("the server is stopping"))
         self.waiting.clear()
 
@@ -142,7 +151,7 @@ class Lane:
         if task in self.waiting:
             self.waiting.remove(task)
             task.fail(Cancelled("cancelled"))
-        elif task is self.running and self.worker is not None:
+        elif task in self.at_work and self.worker is not None:
             self.worker.send(Message({"do": "stop", "id": task.number}))
 
     async def _keep(self) -> None:
@@ -185,57 +194,84 @@ class Lane:
                 self._wake.clear()
                 if not await reader.idle(self._wake):
                     return
-            task = min(self.waiting, key=lambda waiting: (waiting.served_s, waiting.number))
-            self.waiting.remove(task)
-            self.running = task
             try:
-                lost = await self._do(task, worker, reader)
+                lost = await self._do(min(self.waiting, key=_had_least), worker, reader)
             except (KeyError, ValueError, TypeError, IndexError):
                 # What a damaged worker says may be anything; it is replaced like one that says nothing.
                 _log.exception("a worker talks nonsense", extra={"lane": self.settings.name})
                 lost = True
-            finally:
-                if not self._closing:
-                    self.running = None
             if lost:
-                self._lose(task)
+                for task in self.at_work:
+                    self._lose(task)
+                self.at_work.clear()
                 return
 
     async def _do(self, task: Task, worker: WorkerProcess, reader: _Reader) -> bool:
-        """Have a task done; whether the worker was lost over it. One that gave way is back in the queue."""
+        """Have a waiting task done; whether the worker was lost over it. One that gave way is back in the queue."""
+        self.waiting.remove(task)
+        self.at_work.append(task)
         begin = time.monotonic()
         task.begun = task.begun or begin
         served_before, stopping = task.served_s, False
         worker.send(task.message())
+        reader.expect()
         if task.cancelled:
             worker.send(Message({"do": "stop", "id": task.number}))
-        while True:
+        while task in self.at_work:
             message = await reader.next()
             if message is None:
                 return True
             task.served_s = served_before + time.monotonic() - begin
-            if message.head.get("id") != task.number:
-                continue
-            match message.head["say"]:
-                case "checkpoint" | "progress" as say:
-                    if say == "checkpoint":
-                        task.checkpoints[message.head["run"]] = message.blobs[0]
-                        task.losses = task.slices_in_vain = 0
-                    task.hear(message)
-                    if not stopping and self._should_yield(task, task.served_s - served_before):
-                        stopping = True
-                        worker.send(Message({"do": "stop", "id": task.number}))
-                case say:
-                    self._finish(task, say, message)
-                    return False
+            self._take(message)
+            slice_s = task.served_s - served_before
+            if task in self.at_work and not stopping and message.head.get("id") == task.number:
+                stopping = self._should_yield(task, slice_s)
+                if stopping:
+                    worker.send(Message({"do": "stop", "id": task.number}))
+            guest = self._guest_of(task)
+            if guest is not None:
+                arrived = time.monotonic()
+                if await self._do(guest, worker, reader):
+                    return True
+                begin += time.monotonic() - arrived
+        return False
+
+    def _take(self, message: Message) -> None:
+        """Take in what the worker says of a task that it is at."""
+        task = next((task for task in self.at_work if task.number == message.head.get("id")), None)
+        if task is None:
+            return
+        match message.head["say"]:
+            case "checkpoint" | "progress" as say:
+                if say == "checkpoint":
+                    task.checkpoints[message.head["run"]] = message.blobs[0]
+                    task.losses = task.slices_in_vain = 0
+                task.hear(message)
+            case say:
+                self._finish(task, say, message)
+                self.at_work.remove(task)
 
     def _should_yield(self, task: Task, slice_s: float) -> bool:
         # Slices that bring no checkpoint grow, so that a long step without one is finished at last.
+        rivals = (*self.waiting, *(other for other in self.at_work if other is not task))
         return (
             task.resumable
             and slice_s >= self.settings.quantum_s * 2**task.slices_in_vain
-            and any(waiting.served_s < task.served_s for waiting in self.waiting)
+            and any(rival.served_s < task.served_s for rival in rivals)
         )
+
+    def _guest_of(self, host: Task) -> Task | None:
+        """The waiting task that goes first at the next step of a task that cannot be resumed: one that had less of the
+        device, and gives it back soon: it can be interrupted itself, or takes no longer than the host already had.
+        """
+        if host.resumable or self.at_work != [host]:
+            return None
+        guests = [
+            waiting
+            for waiting in self.waiting
+            if waiting.served_s < host.served_s and (waiting.resumable or waiting.estimate_s <= host.served_s)
+        ]
+        return min(guests, key=_had_least, default=None)
 
     def _finish(self, task: Task, say: Literal["done", "stopped", "failed"] | str, message: Message) -> None:
         if task.future.done():
@@ -261,6 +297,10 @@ class Lane:
             task.fail(WorkerLost("the process that owned the device was lost; another one is starting"))
 
 
+def _had_least(task: Task) -> tuple[float, int]:
+    return task.served_s, task.number
+
+
 class _Reader:
     """Messages of a worker, with the two clocks that find one that hangs: its beats, and its getting further."""
 
@@ -268,6 +308,7 @@ class _Reader:
         self._worker = worker
         self._settings = settings
         self._next: asyncio.Task[Message | None] | None = None
+        self._further_by = math.inf
 
     def _pending(self) -> asyncio.Task[Message | None]:
         if self._next is None:
@@ -291,19 +332,22 @@ class _Reader:
         finally:
             waker.cancel()
 
+    def expect(self) -> None:
+        """A task was given: it has to get further from now on."""
+        self._further_by = time.monotonic() + self._settings.stall_timeout_s
+
     async def next(self) -> Message | None:
-        """The next message but beats; None where the worker ended, shows no life, or does not get further."""
-        deadline = time.monotonic() + self._settings.stall_timeout_s
-        while True:
-            if not await self._arrived():
-                self._hangs("no sign of life")
-                return None
-            message = self._taken()
-            if message is None or message.head.get("say") != "beat":
-                return message
-            if time.monotonic() > deadline:
-                self._hangs("a task does not get further")
-                return None
+        """The next message, be it a beat; None where the worker ended, shows no life, or does not get further."""
+        if not await self._arrived():
+            self._hangs("no sign of life")
+            return None
+        message = self._taken()
+        if message is None or message.head.get("say") != "beat":
+            self.expect()
+        elif time.monotonic() > self._further_by:
+            self._hangs("a task does not get further")
+            return None
+        return message
 
     async def _arrived(self) -> bool:
         """Wait for the next message, as long as two beats may be apart."""

@@ -10,6 +10,7 @@ from typing import Any
 
 from service import formats
 from service.engine import Engine
+from service.isolation import Bounds, run_isolated
 from service.papers import FIGURES
 from service.sampling import Checkpoint
 from service.scene import Question, parse_scene, resolve
@@ -33,26 +34,30 @@ class Stopped(BaseException):
 
 @dataclass
 class Toil:
-    """A task being done: what was asked, the engine, a way to speak, and the numbers of the tasks to stop."""
+    """A task being done: what was asked, the engine, a way to speak, the numbers of the tasks to stop, and what lets
+    other tasks go first.
+    """
 
     task: Message
     engine: Engine | None
     speak: Callable[..., None]
     stops: set[int] = field(default_factory=set)
+    give_way: Callable[[], None] = lambda: None
 
     def say(self, say: str, *blobs: bytes, **head: Any) -> None:
         """Send a message about this task."""
         self.speak(say, blobs, id=self.task.head["id"], **head)
 
     def check_stop(self) -> None:
-        """Raise Stopped where this task is to end."""
+        """Let others go first where the server sent some, and raise Stopped where this task is to end."""
+        self.give_way()
         if self.task.head["id"] in self.stops:
             raise Stopped
 
 
 def do_task(toil: Toil) -> Answer:
     """Do a task; what it returns is the message that says so. Raises Stopped, and whatever the work raises."""
-    return {"answer": _answer, "encode": _encode, "probe": _probe}[toil.task.head["do"]](toil)
+    return {"answer": _answer, "encode": _encode, "probe": _probe, "own": _own}[toil.task.head["do"]](toil)
 
 
 def _answer(toil: Toil) -> Answer:
@@ -64,7 +69,11 @@ def _answer(toil: Toil) -> Answer:
     progress = _Progress(toil, question)
     more = {"journal": progress.journal} if kind.resumable else {}
     begin = time.perf_counter()
-    result = kind.compute(question, toil.engine, progress.advance, **more)
+    before, toil.engine.pause = toil.engine.pause, toil.check_stop
+    try:
+        result = kind.compute(question, toil.engine, progress.advance, **more)
+    finally:
+        toil.engine.pause = before
     computed = time.perf_counter()
     content = formats.encode(result, "json")
     run = result.get("run", {})
@@ -166,6 +175,22 @@ def _encode(toil: Toil) -> Answer:
     drawn = paper is not None and paper.chart != "timings"
     content = formats.encode(json.loads(toil.task.blobs[0]), head["format"], draw if drawn else None)
     return {"timings": {"encode": 1e3 * (time.perf_counter() - begin)}}, (content,)
+
+
+def _own(toil: Toil) -> Answer:
+    """A question about a user's own file, which never runs in this process."""
+    head = toil.task.head
+    bounds = Bounds(total_s=head["limit_s"], strict=True)
+
+    def advance(name: str, done: int, total: int) -> None:
+        toil.say("progress", technique=name, done=done, total=total)
+
+    begin = time.perf_counter()
+    result = run_isolated(head["task"], head["arguments"], advance, bounds, toil.check_stop)
+    computed = time.perf_counter()
+    content = formats.encode(result, "json")
+    timings = {"compute": 1e3 * (computed - begin), "encode": 1e3 * (time.perf_counter() - computed)}
+    return {"timings": timings}, (content,)
 
 
 def _probe(toil: Toil) -> Answer:

@@ -16,7 +16,7 @@ float fon_amplitude(float r) {
 // s/t of eq. 11. s is formed from the tangential parts, which do not cancel at grazing.
 float fon_s_over_t(vec3 wi, vec3 wo) {
     float s = wi.x * wo.x + wi.y * wo.y;
-    return s > 0.0 ? s / max(wi.z, wo.z) : s;
+    return s > 0.0 ? s / (wi.z > wo.z ? wi.z : wo.z) : s;
 }
 
 // f/rho of the single-scattering lobe (eq. 10), 1/sr.
@@ -27,11 +27,11 @@ float fon_lobe(vec3 wi, vec3 wo, float r) {
 // D with 1 - E = A r D / pi, E the albedo at rho = 1 (eq. 12). 1 - E is never formed from E, which would lose all digits
 // towards grazing, where E tends to 1.
 float fon_deficit(float mu) {
-    float m = clamp(mu, 0.0, 1.0);
+    float m = mu < 1.0 ? mu : 1.0; // rounding may take mu beyond
     float s = sqrt((1.0 - m) * (1.0 + m));
     float inverse = 1.0 / (1.0 + s);
     return 0.904129660128230 * m * m * inverse
-        + s * (arcsine(m) + s * m - 0.666666666666667 * m * (1.0 + s + s * s) * inverse);
+        + s * (quadrant_angle(m, s) + s * m - 0.666666666666667 * m * (1.0 + s + s * s) * inverse);
 }
 
 // 1 - E(mu), relatively accurate on all of [0, 1].

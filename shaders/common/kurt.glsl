@@ -9,7 +9,7 @@ float kurt_lobe(HalfVector h, float ci, float co, float reflectance, float mx, f
     float shadowing = alpha > 0.0 ? -alpha * (log(ci) + log(co)) : 0.0;
     float x = beckmann_exponent(h, mx, my) + shadowing;
     float f = exponential_ratio(reflectance, 0.25 * beckmann_scale(h, mx, my), x, h.to_view, 1.0);
-    return min(ci, co) > 0.0 ? f : 0.0;
+    return ci > 0.0 && co > 0.0 ? f : 0.0;
 }
 
 #endif

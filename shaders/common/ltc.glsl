@@ -11,10 +11,12 @@ struct LtcLobe {
     float c;
     float d;
     float determinant;
+    float inverse_determinant; // once a view, in place of a division a sample
 };
 
 LtcLobe ltc_lobe(float a, float b, float c, float d) {
-    return LtcLobe(a, b, c, d, c * (a - b * d));
+    float determinant = c * (a - b * d);
+    return LtcLobe(a, b, c, d, determinant, 1.0 / determinant);
 }
 
 // The fit of Listing 2 at view cosine mu and roughness r. d is expanded in e = 1 - mu, which is exact near normal
@@ -42,14 +44,14 @@ float ltc_density(LtcLobe lobe, vec3 w) {
                   lobe.c * (lobe.a * w.z - lobe.d * w.x));
     float squared = dot(h, h);
     float ratio = lobe.determinant / squared;
-    return INV_PI * ratio * ratio * max(h.z, 0.0);
+    return h.z > 0.0 ? INV_PI * ratio * ratio * h.z : 0.0;
 }
 
 // The sample that M h, of any length, stands for, where h was drawn from the cosine lobe with density pdf.
 DirectionSample ltc_normalised(LtcLobe lobe, vec3 w, float pdf) {
     float squared = dot(w, w);
-    float inverse = inversesqrt(squared);
-    return DirectionSample(w * inverse, pdf * squared / (inverse * lobe.determinant));
+    float length = sqrt(squared);
+    return DirectionSample(w * (1.0 / length), pdf * squared * length * lobe.inverse_determinant);
 }
 
 // u1 is the squared cosine of the untransformed direction: the density's zero, and with it the weight's tail, lies at
@@ -71,7 +73,7 @@ float cltc_clipped(LtcLobe lobe) {
 }
 
 float cltc_density(LtcLobe lobe, vec3 w) {
-    return w.z > 0.0 ? ltc_density(lobe, w) / (1.0 - cltc_clipped(lobe)) : 0.0;
+    return w.z > 0.0 ? ltc_density(lobe, w) * (1.0 / (1.0 - cltc_clipped(lobe))) : 0.0;
 }
 
 // The disk point (x0, y), x0^2 + y^2 = 1 - u1, is squeezed along x into half disk (x > 0) and half ellipse (x < 0). Both
@@ -95,7 +97,7 @@ DirectionSample cltc_sample(LtcLobe lobe, vec2 u) {
     float z = x < 0.0 ? difference : sum; // cosine + |d| x
     float hx = lobe.d > 0.0 ? x : -x;
     vec3 w = vec3(lobe.a * hx + lobe.b * cosine, lobe.c * disk.y, z);
-    return ltc_normalised(lobe, w, INV_PI * cosine / area);
+    return ltc_normalised(lobe, w, cosine * (INV_PI / area));
 }
 
 #endif

@@ -32,7 +32,7 @@ float qualitative_lobe(vec3 wi, vec3 wo, float a, float b) {
 float qualitative_shape(float mu) {
     float c = clamp(mu, 0.0, 1.0);
     float s = sqrt((1.0 - c) * (1.0 + c));
-    float theta = HALF_PI - arcsine(c);
+    float theta = quadrant_angle(s, c);
     return 0.318309886183791 * s * (theta - s * c + 0.666666666666667 * c * (1.0 + s + s * s) / (1.0 + s));
 }
 

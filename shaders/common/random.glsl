@@ -24,7 +24,8 @@ const float ONE_MINUS_EPSILON = 0.999999940395355; // 1 - 2^-24, the largest flo
 vec2 unit_square(uint a, uint b) {
     float low = float(int(((a & 255u) << 8u) | (b & 255u))) * 9.094947017729282e-13;
     float u1 = float(int(a >> 8u)) * 5.9604644775390625e-8 + low;
-    return vec2(min(u1, ONE_MINUS_EPSILON), float(int(b >> 8u)) * 5.9604644775390625e-8);
+    // The largest float below 1 at most; positive floats are in the order of their bits, which are the faster to compare.
+    return vec2(uintBitsToFloat(min(floatBitsToUint(u1), 0x3f7fffffu)), float(int(b >> 8u)) * 5.9604644775390625e-8);
 }
 
 // Two samples from one hash: (u1, u2) of sample 2 n in xy and of sample 2 n + 1 in zw, for the counter (n, block).

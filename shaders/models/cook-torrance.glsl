@@ -4,6 +4,8 @@ name = "cook-torrance"
 title = "Cook-Torrance"
 source = "Cook and Torrance, A reflectance model for computer graphics (1982), with an anisotropic Beckmann distribution and the normalization 1/(4 ci co)"
 anisotropic = true
+[left_out]
+"Fresnel term" = { f0 = 1.0 }
 [parameters.f0]
 min = 0.0
 max = 1.0
@@ -35,5 +37,5 @@ float brdf(vec3 wi, vec3 wo) {
     float scale = 0.25 * beckmann_scale(h, mx, my);
     float x = beckmann_exponent(h, mx, my);
     float f = exponential_ratio(schlick(f0, h), scale, x, max(wi.z, wo.z), unshadowed_cosine(h, wi.z, wo.z));
-    return min(wi.z, wo.z) > 0.0 ? f : 0.0;
+    return wi.z > 0.0 && wo.z > 0.0 ? f : 0.0;
 }

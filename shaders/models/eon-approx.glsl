@@ -4,6 +4,10 @@ name = "eon-approx"
 title = "Energy-preserving Oren-Nayar, fitted albedo"
 source = "Portsmouth, Kutz, Hill 2024 (EON), eq. 16 to 19, with the polynomial albedo of eq. 14 and the clamps of Listing 1"
 singular = ["the fitted albedo passes 1 towards grazing, where 1 - E is clamped to 1e-7"]
+black = { albedo = 0.0 }
+[left_out]
+"fit of the multiple-scattering lobe" = { roughness = 0.0 }
+"albedo factor" = { albedo = 1.0 }
 [parameters.roughness]
 min = 0.0
 max = 1.0
@@ -39,7 +43,7 @@ float average_missing_energy() {
 float brdf(vec3 wi, vec3 wo) {
     float strength = INV_PI * eon_multiple_scattering_albedo(albedo, roughness) / average_missing_energy();
     float multiple = strength * fitted_missing_energy(wo.z) * fitted_missing_energy(wi.z);
-    return min(wi.z, wo.z) > 0.0 ? albedo * fon_lobe(wi, wo, roughness) + multiple : 0.0;
+    return wi.z > 0.0 && wo.z > 0.0 ? albedo * fon_lobe(wi, wo, roughness) + multiple : 0.0;
 }
 
 // The exact integral of this very lobe: the fit's own average albedo is 0.0725612096 r in place of C2 r. The clamp of

@@ -4,6 +4,10 @@ name = "eon"
 title = "Energy-preserving Oren-Nayar"
 source = "Portsmouth, Kutz, Hill 2024 (EON), eq. 16 to 19, with the analytic albedo of eq. 12"
 singular = ["multiple-scattering lobe is 0/0 at roughness 0 as printed", "1 - E cancels towards grazing as printed"]
+black = { albedo = 0.0 }
+[left_out]
+"multiple-scattering lobe" = { roughness = 0.0 }
+"albedo factor" = { albedo = 1.0 }
 [parameters.roughness]
 min = 0.0
 max = 1.0
@@ -27,7 +31,7 @@ float multiple_scattering(float mu_i, float mu_o) {
 
 float brdf(vec3 wi, vec3 wo) {
     float f = albedo * fon_lobe(wi, wo, roughness) + multiple_scattering(wi.z, wo.z);
-    return min(wi.z, wo.z) > 0.0 ? f : 0.0;
+    return wi.z > 0.0 && wo.z > 0.0 ? f : 0.0;
 }
 
 float directional_albedo(float mu) {

@@ -5,6 +5,15 @@ title = "Kurt, two lobes"
 source = "Kurt, Szirmay-Kalos, Krivanek 2010, eq. 14 with two lobes"
 anisotropic = true
 singular = ["grows like cos^-alpha at grazing for every alpha above 0"]
+black = { kd = 0.0, ks1 = 0.0, ks2 = 0.0 }
+[left_out]
+"diffuse lobe" = { kd = 0.0 }
+"lobe 1" = { ks1 = 0.0 }
+"lobe 2" = { ks2 = 0.0 }
+"Fresnel term of lobe 1" = { f01 = 1.0 }
+"Fresnel term of lobe 2" = { f02 = 1.0 }
+"shadowing term of lobe 1" = { alpha1 = 0.0 }
+"shadowing term of lobe 2" = { alpha2 = 0.0 }
 [parameters.kd]
 min = 0.0
 max = 1.0
@@ -79,5 +88,5 @@ float brdf(vec3 wi, vec3 wo) {
     float first = kurt_lobe(h, wi.z, wo.z, ks1 * schlick(f01, h), mx1, my1, alpha1);
     float second = kurt_lobe(h, wi.z, wo.z, ks2 * schlick(f02, h), mx2, my2, alpha2);
     float f = kd * INV_PI + first + second;
-    return min(wi.z, wo.z) > 0.0 ? f : 0.0;
+    return wi.z > 0.0 && wo.z > 0.0 ? f : 0.0;
 }

@@ -5,6 +5,9 @@ title = "Kurt, physically plausible"
 source = "Kurt, Szirmay-Kalos, Krivanek 2010, eq. 9"
 anisotropic = true
 singular = ["albedo above 1 at grazing for slopes above 1.881"]
+black = { ks = 0.0 }
+[left_out]
+"Fresnel term" = { f0 = 1.0 }
 [parameters.ks]
 min = 0.0
 max = 1.0
@@ -36,5 +39,5 @@ float brdf(vec3 wi, vec3 wo) {
     HalfVector h = half_vector(wi, wo);
     float scale = 0.25 * beckmann_scale(h, mx, my);
     float f = exponential_ratio(ks * schlick(f0, h), scale, beckmann_exponent(h, mx, my), h.to_view, max(wi.z, wo.z));
-    return min(wi.z, wo.z) > 0.0 ? f : 0.0;
+    return wi.z > 0.0 && wo.z > 0.0 ? f : 0.0;
 }

@@ -5,6 +5,12 @@ title = "Kurt, simple"
 source = "Kurt, Szirmay-Kalos, Krivanek 2010, eq. 10 to 12"
 anisotropic = true
 singular = ["grows like cos^-alpha at grazing for every alpha above 0"]
+black = { kd = 0.0, ks = 0.0 }
+[left_out]
+"diffuse lobe" = { kd = 0.0 }
+"specular lobe" = { ks = 0.0 }
+"Fresnel term" = { f0 = 1.0 }
+"shadowing term" = { alpha = 0.0 }
 [parameters.kd]
 min = 0.0
 max = 1.0
@@ -47,5 +53,5 @@ help = "exponent of the shadowing term (ci co)^-alpha"
 float brdf(vec3 wi, vec3 wo) {
     HalfVector h = half_vector(wi, wo);
     float f = kd * INV_PI + kurt_lobe(h, wi.z, wo.z, ks * schlick(f0, h), mx, my, alpha);
-    return min(wi.z, wo.z) > 0.0 ? f : 0.0;
+    return wi.z > 0.0 && wo.z > 0.0 ? f : 0.0;
 }

@@ -4,6 +4,10 @@ name = "oren-nayar-full"
 title = "Full Oren-Nayar"
 source = "Oren and Nayar 1994, direct term and interreflection (the model that Portsmouth, Kutz, Hill 2024 call fullON)"
 singular = ["polar angles and azimuth are 0/0 at the normal", "negative in forward grazing scattering at low albedo"]
+black = { albedo = 0.0 }
+[left_out]
+"roughness terms" = { sigma = 0.0 }
+"albedo factor" = { albedo = 1.0 }
 [parameters.sigma]
 min = 0.0
 max = 1.5707963267948966
@@ -38,5 +42,5 @@ float brdf(vec3 wi, vec3 wo) {
     float c3 = 0.125 * roughness_ratio(sigma, 0.09) * angles * angles;
     float direct = c1 + azimuth_cosine * c2 * tangent_of_smaller + (1.0 - abs(azimuth_cosine)) * c3 * tangent_of_mean;
     float interreflected = 0.17 * albedo * roughness_ratio(sigma, 0.13) * (1.0 - azimuth_cosine * ratio * ratio);
-    return min(wi.z, wo.z) > 0.0 ? albedo * INV_PI * (direct + interreflected) : 0.0;
+    return wi.z > 0.0 && wo.z > 0.0 ? albedo * INV_PI * (direct + interreflected) : 0.0;
 }

@@ -3,6 +3,10 @@ provides = ["model"]
 name = "qon-fujii"
 title = "Qualitative Oren-Nayar, Fujii's proposal"
 source = "Fujii's qualitative model with interreflection; Portsmouth, Kutz, Hill 2024 (EON), section 1"
+black = { albedo = 0.0 }
+[left_out]
+"roughness terms" = { sigma = 0.0 }
+"albedo factor" = { albedo = 1.0 }
 [parameters.sigma]
 min = 0.0
 max = 1.5707963267948966
@@ -29,7 +33,7 @@ float slope() {
 float brdf(vec3 wi, vec3 wo) {
     float s = tangential_dot(wi, wo);
     float f = albedo * INV_PI * (amplitude() + slope() * (s > 0.0 ? s / max(wi.z, wo.z) : s));
-    return min(wi.z, wo.z) > 0.0 ? f : 0.0;
+    return wi.z > 0.0 && wo.z > 0.0 ? f : 0.0;
 }
 
 float directional_albedo(float mu) {

@@ -3,6 +3,10 @@ provides = ["model"]
 name = "qon"
 title = "Qualitative Oren-Nayar"
 source = "Oren and Nayar 1994; Portsmouth, Kutz, Hill 2024 (EON), eq. 1 to 7"
+black = { albedo = 0.0 }
+[left_out]
+"roughness terms" = { sigma = 0.0 }
+"albedo factor" = { albedo = 1.0 }
 [parameters.sigma]
 min = 0.0
 max = 1.5707963267948966
@@ -27,7 +31,7 @@ float slope() {
 }
 
 float brdf(vec3 wi, vec3 wo) {
-    return min(wi.z, wo.z) > 0.0 ? albedo * INV_PI * qualitative_lobe(wi, wo, amplitude(), slope()) : 0.0;
+    return wi.z > 0.0 && wo.z > 0.0 ? albedo * INV_PI * qualitative_lobe(wi, wo, amplitude(), slope()) : 0.0;
 }
 
 float directional_albedo(float mu) {

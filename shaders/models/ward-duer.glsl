@@ -5,6 +5,7 @@ title = "Ward-Duer"
 source = "Duer, On the Ward model for global illumination (2005)"
 anisotropic = true
 singular = ["grows like 1/cos at grazing"]
+black = { ks = 0.0 }
 [parameters.ks]
 min = 0.0
 max = 1.0
@@ -29,5 +30,5 @@ help = "root mean square slope of the facets along y"
 float brdf(vec3 wi, vec3 wo) {
     HalfVector h = half_vector(wi, wo);
     float f = exponential_ratio(ks, 1.0 / (4.0 * PI * mx * my), beckmann_exponent(h, mx, my), wi.z, wo.z);
-    return min(wi.z, wo.z) > 0.0 ? f : 0.0;
+    return wi.z > 0.0 && wo.z > 0.0 ? f : 0.0;
 }

@@ -6,6 +6,8 @@ source = "Portsmouth, Kutz, Hill 2024 (EON), Listing 4: one-sample MIS, with a u
 models = ["eon", "eon-approx", "fon"]
 uses = ["roughness"]
 mixture = true
+[left_out]
+"uniform lobe" = { roughness = 0.0 }
 ---*/
 #include "common/frame.glsl"
 #include "common/hemisphere.glsl"
@@ -33,11 +35,11 @@ DirectionSample sample_direction(vec3 wo, vec2 u) {
     vec2 frame = azimuth(wo);
     float probability = uniform_probability(wo.z);
     DirectionSample s;
-    if (u.x < probability) { // never at probability 0, so u1 / P is not 0/0
-        s = uniform_hemisphere(vec2(u.x / probability, u.y));
+    if (u.x < probability) { // never at probability 0, whose reciprocal is infinite
+        s = uniform_hemisphere(vec2(u.x * (1.0 / probability), u.y));
         s.pdf = probability * UNIFORM_DENSITY + (1.0 - probability) * cltc_density(lobe, s.wi);
     } else {
-        s = cltc_sample(lobe, vec2((u.x - probability) / (1.0 - probability), u.y));
+        s = cltc_sample(lobe, vec2((u.x - probability) * (1.0 / (1.0 - probability)), u.y));
         s.pdf = probability * UNIFORM_DENSITY + (1.0 - probability) * s.pdf;
     }
     s.wi = from_azimuth_frame(s.wi, frame);

@@ -6,6 +6,8 @@ source = "Portsmouth, Kutz, Hill 2024 (EON), section 3.1 and Listing 3, clipped 
 models = ["eon", "eon-approx", "fon"]
 uses = ["roughness"]
 singular = ["the density is zero on a part of the hemisphere where the model is not, for every roughness above 0"]
+[left_out]
+"linear transformation" = { roughness = 0.0 }
 ---*/
 #include "common/frame.glsl"
 #include "common/ltc.glsl"

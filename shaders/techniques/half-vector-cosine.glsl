@@ -7,6 +7,9 @@ models = ["kurt", "kurt-coupled"]
 uses = ["mx", "my"]
 below_horizon = true
 mixture = true
+[left_out]
+"half-vector lobe" = { lobe_probability = 0.0 }
+"cosine lobe" = { lobe_probability = 1.0 }
 [parameters.lobe_probability]
 min = 0.0
 max = 1.0

@@ -5,6 +5,8 @@ title = "LTC, non-negative (d = 0)"
 source = "Portsmouth, Kutz, Hill 2024 (EON), section 3.1 and Listing 2 with d = 0"
 models = ["eon", "eon-approx", "fon"]
 uses = ["roughness"]
+[left_out]
+"linear transformation" = { roughness = 0.0 }
 ---*/
 #include "common/frame.glsl"
 #include "common/ltc.glsl"

@@ -7,6 +7,8 @@ models = ["eon", "eon-approx", "fon"]
 uses = ["roughness"]
 below_horizon = true
 singular = ["the density is zero on a part of the hemisphere where the model is not, for every roughness above 0"]
+[left_out]
+"linear transformation" = { roughness = 0.0 }
 ---*/
 #include "common/frame.glsl"
 #include "common/ltc.glsl"

@@ -2,7 +2,8 @@
 
 Every peer first has to give the same means and variances as the float64 reference. Then all run in turn, round after
 round; a ratio is the median of the rounds' ratios. Then the time to an error of a thousandth, by sampling and by the
-quadrature, and whether intervals hold what they say. `--rounds`, `--samples` and `--seeds` make it shorter or longer.
+quadrature, whether intervals hold what they say, and whether the battery raises false alarms. `--rounds`, `--samples`,
+`--seeds` and `--batteries` make it shorter or longer.
 """
 
 from __future__ import annotations
@@ -24,11 +25,14 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from calibration import calibrate
+from false_alarms import count, describe
 from install import OUT, Peer, peers
+from variants import variants
 
 from service.engine import Engine
 from service.estimators.quadrature import quadrature
 from service.estimators.sampled import open_sampler
+from service.left_out import features_left_out, structure_without
 from service.moments import from_power_sums
 from service.reference_store import plan_reference
 from service.scene import Question, SeriesPlan, parse_scene, radians, resolve
@@ -46,6 +50,7 @@ def main() -> None:
     options.add_argument("--rounds", type=int, default=7)
     options.add_argument("--samples", type=int, default=1 << 17, help="for each of the 64 angles")
     options.add_argument("--seeds", type=int, default=60, help="of the calibration of intervals")
+    options.add_argument("--batteries", type=int, default=12, help="seeds of the battery on correct samplers")
     given = options.parse_args()
     with Engine.open() as engine:
         scene = {"model": "eon", "parameters": {"roughness": 1}, "techniques": list(TECHNIQUES)}
@@ -55,6 +60,11 @@ def main() -> None:
         report = {"rates": rates(engine, question, given.samples, given.rounds)}
         report["to_error"] = time_to_error(engine, question, report["rates"])
         report["calibration"] = calibrate(engine, given.seeds)
+        begin = time.perf_counter()
+        alarms, runs = count(engine, range(1, given.batteries + 1))
+        print("\n" + describe(alarms, runs, time.perf_counter() - begin))
+        report["false_alarms"] = {"alarms": dict(alarms), "batteries": runs}
+        report["variants"] = variants(engine)
     OUT.mkdir(parents=True, exist_ok=True)
     (OUT / "bench.json").write_text(json.dumps(report, indent=1) + "\n")
 
@@ -113,7 +123,8 @@ def rates(engine: Engine, question: Question, samples: int, rounds: int) -> dict
         samplers = {}
         for plan in question.series:
             cells = series_cells(plan, question.scene)
-            opened = open_sampler(plan, engine, cells, 4, with_max=True, sobol=False)
+            structure = structure_without(features_left_out(plan, question.scene))
+            opened = open_sampler(plan, engine, cells, structure, sobol=False)
             samplers[plan.technique.name] = stack.enter_context(opened)[0]
         running: dict[str, Program] = {}
         for peer in peers():

@@ -111,3 +111,21 @@ def test_a_driver_whose_hardware_is_not_here_is_one_line() -> None:
     (radeon,) = manifest.parent.glob("radeon_icd*.json")
     line = said(VK_DRIVER_FILES=str(radeon))
     assert "names no Vulkan driver that works here" in line or "AMD" in line
+
+
+OPEN_AND_RUN = """
+import sys, numpy as np
+from lavapipe import Device, compile_glsl
+code = "#version 460\\nlayout(local_size_x = 1) in;\\nlayout(set = 0, binding = 0) buffer B { float x[]; };\\n"
+spirv = compile_glsl(code + "void main() { x[0] = sqrt(x[1]); }")
+with Device.open(shader_cache=sys.argv[1] == "on") as device, device.buffer(2, np.float32) as data:
+    device.run(device.pipeline(spirv, buffers=1), [data], (1, 1, 1))
+"""
+
+
+@pytest.mark.parametrize("cache", ["on", "off"])
+def test_a_device_without_a_shader_cache_keeps_nothing(cache, tmp_path):
+    environment = {k: v for k, v in os.environ.items() if not k.startswith("MESA_")}
+    environment["MESA_SHADER_CACHE_DIR"] = str(tmp_path)
+    subprocess.run([sys.executable, "-c", OPEN_AND_RUN, cache], env=environment, check=True, timeout=120)
+    assert any(path.is_file() and path.name != "index" for path in tmp_path.rglob("*")) == (cache == "on")

@@ -41,6 +41,15 @@ def test_one_and_two_driver_threads_give_the_same_bits():
     assert one == two == numbers(result_of(*SMALL))
 
 
+@pytest.mark.parametrize("bits", ["128", "256"])
+def test_vectors_of_any_width_give_the_same_bits(bits):
+    """The driver's cache would answer with the code of another width."""
+    width = {"LP_NATIVE_VECTOR_WIDTH": bits, "MESA_SHADER_CACHE_DISABLE": "true"}
+    result = result_of(*SMALL, env=width)
+    assert f"{bits} bits" in result["run"]["device"]
+    assert numbers(result) == numbers(result_of(*SMALL))
+
+
 def test_another_seed_gives_other_samples_of_the_same_law():
     first, other = (result_of(*SMALL[:-1], seed)["series"][1] for seed in ("3", "4"))
     assert first["mean"] != other["mean"]

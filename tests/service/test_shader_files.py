@@ -136,7 +136,8 @@ def materialx_model():
         "[parameters.albedo]\nmin = 0.0\nmax = 1.0\ndefault = 1.0\n---*/\n"
         '#include "common/arc.glsl"\n#define M_FLOAT_EPS 1e-8\n#define M_PI PI\n#define M_PI_INV INV_PI\n'
         "float mx_square(float x) { return x * x; }\nvec3 mx_square(vec3 x) { return x * x; }\n"
-        f"float mx_acos(float x) {{ return HALF_PI - arcsine(x); }}\n{constants}{text[begin:end]}\n"
+        "float mx_acos(float x) { return quadrant_angle(sqrt((1.0 - x) * (1.0 + x)), x); }\n"
+        f"{constants}{text[begin:end]}\n"
         "float brdf(vec3 wi, vec3 wo) {\n"
         "    vec3 f = mx_oren_nayar_compensated_diffuse(wo.z, wi.z, dot(wi, wo), roughness, vec3(albedo));\n"
         "    return f.x * INV_PI;\n}\n"

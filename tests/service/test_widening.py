@@ -1,7 +1,6 @@
 """Widening to double: types, literals, functions, macros, and that lines stay where they are."""
 
 import numpy as np
-import pytest
 
 from service.catalogue import load_catalogue, read_entry
 from service.engine import Engine
@@ -73,28 +72,3 @@ def test_own_code_in_double_has_the_accuracy_of_double(engine):
     expected *= (1 + 0.1 * np.sin(3.7 * np.arctan2(wi[:, 1], wi[:, 0]))) * 1.5
     # arccos of a dot product next to 1 is the least accurate part
     assert np.abs(found / expected - 1).max() < 1e-12
-
-
-@pytest.mark.parametrize("technique", ["cosine", "uniform", "ltc-nonnegative", "ltc", "cltc", "cltc-mis"])
-@pytest.mark.parametrize("model", ["eon", "fon", "eon-approx", "lambert"])
-def test_the_widened_catalogue_and_the_python_reference_agree(engine, model, technique):
-    """Two truths from different code, at unit views: the GLSL works from wo.z, the reference also from wo.x and
-    wo.y.
-    """
-    from service.reference import load_model, load_technique
-
-    catalogue = engine.catalogue
-    probe = Probe(engine, catalogue.model(model), catalogue.technique(technique))
-    rng = np.random.default_rng(1)
-    for _ in range(4):
-        values = dict(zip(probe.names, rng.random(len(probe.names)), strict=True))
-        mu, phi = rng.uniform(0.05, 1), rng.uniform(0, 6)
-        wo = np.array([np.sqrt(1 - mu**2) * np.cos(phi), np.sqrt(1 - mu**2) * np.sin(phi), mu])
-        found = probe.draw(wo, rng.random((500, 2)), np.array([list(values.values())]), "double")
-        expected = load_model(model).brdf(found.wi, wo, values)
-        density = load_technique(technique).density(wo, found.wi, values)
-        up = found.wi[:, 2] > 1e-6
-        assert np.allclose(found.brdf[up], expected[up], rtol=1e-9, atol=0)
-        # Densities next to their zero lose what wo.z and its sine differ by.
-        assert np.allclose(found.direction_pdf, density, rtol=1e-9, atol=1e-12)
-        assert np.allclose(found.pdf, density, rtol=1e-9, atol=1e-12)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 from typing import Any
 
 import click
@@ -83,15 +84,17 @@ def check(
 
 def _run(task: str, arguments: dict[str, Any]) -> dict[str, Any]:
     """A user's file runs in a process of its own; an entry of the catalogue here."""
+    from service.catalogue import own_text
     from service.checks.selection import is_file
     from service.isolation import run_isolated
 
     with StageLine() as progress:
         if is_file(arguments["subject"]):
-            return run_isolated(task, arguments, progress)
-        from service.isolation.tasks import TASKS
+            text = own_text(Path(arguments["subject"]))
+            return run_isolated(task, arguments | {"text": text}, progress)
+        from service.isolation.tasks import TASKS, stay_open
 
-        return TASKS[task](arguments, progress)
+        return TASKS[task](arguments | {"text": None}, progress, stay_open)
 
 
 def _replay_inputs(wo: str, u: str | None, wi: str | None) -> dict[str, Any]:

@@ -8,6 +8,7 @@ import click
 
 from service.cli.delivery import ProgressLine, deliver
 from service.cli.options import integer, is_file, names, number, output_options, scene_data, scene_options
+from service.cli.own_file import answer_for_file
 from service.convergence.scene import ConvergenceScene, parse_convergence_scene
 
 
@@ -43,20 +44,10 @@ def converge(
     }
     path = options["model"]
     if is_file(path):
-        deliver(lambda: convergence_of_file(path, data, device), format_, outputs)
+        deliver(lambda: answer_for_file("convergence", path, data, device), format_, outputs)
         return
     scene = parse_convergence_scene(data)
     deliver(lambda: convergence_of(scene, device), format_, outputs)
-
-
-def convergence_of_file(path: str, data: dict[str, Any], device: str | None) -> dict[str, Any]:
-    """Answer a scene whose model, or technique, is a user's file, in a process of its own."""
-    from service.isolation import run_isolated
-    from service.isolation.tasks import file_scene
-
-    scene = file_scene(path, data, parse_convergence_scene)
-    with ProgressLine() as progress:
-        return run_isolated("convergence", {"file": path, "scene": scene, "device": device}, progress)
 
 
 def convergence_of(scene: ConvergenceScene, device: str | None) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 from typing import Any
 
 import click
@@ -47,15 +48,15 @@ def stability(
 
 def _run(options: dict[str, Any], device: str | None) -> dict[str, Any]:
     """A user's file runs in a process of its own; the catalogue here."""
+    from service.catalogue import own_text
     from service.cli.options import is_file
     from service.isolation import run_isolated
-    from service.isolation.tasks import TASKS, file_scene
+    from service.isolation.tasks import TASKS, stay_open
 
+    arguments: dict[str, Any] = {"file": None, "text": None, "scene": scene_data(**options), "device": device}
     with StageLine() as progress:
         if is_file(options["model"]):
             path = options["model"]
-            scene = file_scene(path, scene_data(**options))
-            return run_isolated("stability", {"file": path, "scene": scene, "device": device}, progress)
-        scene = scene_data(**options)
-        parse_scene(scene)
-        return TASKS["stability"]({"file": None, "scene": scene, "device": device}, progress)
+            return run_isolated("stability", arguments | {"file": path, "text": own_text(Path(path))}, progress)
+        parse_scene(arguments["scene"])
+        return TASKS["stability"](arguments, progress, stay_open)

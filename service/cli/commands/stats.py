@@ -8,6 +8,7 @@ import click
 
 from service.cli.delivery import ProgressLine, deliver
 from service.cli.options import is_file, output_options, scene_data, scene_options
+from service.cli.own_file import answer_for_file
 from service.scene import Scene, parse_scene
 
 
@@ -21,17 +22,7 @@ def stats(format_: str | None, outputs: tuple[str, ...], device: str | None, **o
         scene = parse_scene(scene_data(**options))
         deliver(lambda: statistics_of(scene, device), format_, outputs)
         return
-    deliver(lambda: statistics_of_file(path, options, device), format_, outputs)
-
-
-def statistics_of_file(path: str, options: dict[str, Any], device: str | None) -> dict[str, Any]:
-    """Answer a scene whose model, or technique, is a user's file, in a process of its own."""
-    from service.isolation import run_isolated
-    from service.isolation.tasks import file_scene
-
-    scene = file_scene(path, scene_data(**options))
-    with ProgressLine() as progress:
-        return run_isolated("statistics", {"file": path, "scene": scene, "device": device}, progress)
+    deliver(lambda: answer_for_file("statistics", path, scene_data(**options), device), format_, outputs)
 
 
 def statistics_of(scene: Scene, device: str | None) -> dict[str, Any]:

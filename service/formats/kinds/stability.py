@@ -40,10 +40,11 @@ def technique_lines(result: Mapping[str, Any], technique: str) -> list[str]:
     listed = [e for e in result["exceptions"] if e["technique"] == technique]
     lines += ["", "  beyond 8 ulp:" if listed else "  nothing is beyond 8 ulp inside the ranges"]
     for e in listed:
+        of_direction = e["by_rounded_direction_ulp"]
         lines += textwrap.wrap(
-            f"{e['quantity']}, {e['points']:,} points: {e['reason']} (worst {e['worst_ulp']:.3g} ulp; "
-            f"one rounding of the inputs:"
-            f" {e['by_rounded_inputs_ulp']:.3g} ulp)",
+            f"{e['quantity']}, {e['points']:,} points: {e['reason']} (worst {e['worst_ulp']:.3g} ulp; one rounding of "
+            f"the inputs: {e['by_rounded_inputs_ulp']:.3g} ulp"
+            + (")" if of_direction is None else f", of the direction: {of_direction:.3g} ulp)"),
             _WIDTH, initial_indent="    ", subsequent_indent="      ",
         )  # fmt: skip
         lines += textwrap.wrap(place(e["worst"]), _WIDTH, initial_indent="      at ", subsequent_indent="         ")

@@ -9,9 +9,14 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import httpx
+
+PATIENCE_S = 240.0
+"""How long a test waits for what must come. No claim about speed: a busy machine may be twenty times slower."""
 
 SMALL = {
     "model": "eon",
@@ -33,8 +38,21 @@ LONG = {
 }
 """A question of about half a second and 16 launches."""
 
-HUGE = LONG | {"estimator": {"samples": 10**9, "seed": 3}}
-"""A question of many minutes."""
+HUGE = LONG | {"estimator": {"samples": 10**10, "seed": 3}}
+"""A question of an hour."""
+
+
+def wait_until(holds: Callable[[], Any], what: str) -> None:
+    """Wait until something holds; a test that waits in vain fails and says for what."""
+    end = time.monotonic() + PATIENCE_S
+    while not holds():
+        assert time.monotonic() < end, f"waited in vain until {what}"
+        time.sleep(0.02)
+
+
+def seeded(scene: dict, seed: int) -> dict:
+    """The same scene with another seed: a question that was not asked before."""
+    return scene | {"estimator": scene["estimator"] | {"seed": seed}}
 
 
 class Server:
@@ -53,7 +71,7 @@ class Server:
                 stdout=subprocess.DEVNULL,
             )
         self.url = self._await_url()
-        self.client = httpx.Client(base_url=self.url, timeout=60)
+        self.client = httpx.Client(base_url=self.url, timeout=PATIENCE_S)
 
     def _await_url(self) -> str:
         while self.process.poll() is None:
@@ -64,7 +82,7 @@ class Server:
 
     def lines(self) -> list[dict]:
         """The log so far; every line must be JSON."""
-        return [json.loads(line) for line in self.log.read_text().splitlines()]
+        return [json.loads(line) for line in self.log.read_text().splitlines(keepends=True) if line.endswith("\n")]
 
     def ask(self, scene, **more) -> httpx.Response:
         return self.client.post("/v1/statistics", json=scene, **more)
@@ -74,16 +92,32 @@ class Server:
         assert reply.status_code == 202, reply.text
         return reply.headers["location"]
 
-    def await_job(self, path, wanted=("done",), seconds=60, until=lambda job: False) -> dict:
+    def await_job(self, path, wanted=("done",), until=lambda job: False) -> dict:
         """Wait until a job is in a state, or `until` holds of it."""
-        end = time.monotonic() + seconds
-        while time.monotonic() < end:
-            job = self.client.get(path).json()
-            if job["state"] in wanted or until(job):
-                return job
-            assert job["state"] in ("queued", "running"), job
-            time.sleep(0.02)
-        raise AssertionError(f"the job did not get there: {job}")
+        job: dict = {}
+
+        def there() -> bool:
+            job.update(self.client.get(path).json())
+            found = job["state"] in wanted or until(job)
+            assert found or job["state"] in ("queued", "running"), job
+            return found
+
+        wait_until(there, f"{path} is {' or '.join(wanted) or 'far enough'}")
+        return job
+
+    def await_lane(self, lane: str, running: int, waiting: int) -> None:
+        """Wait until a worker is at so many tasks (0 or 1) and so many wait before it."""
+
+        def there() -> bool:
+            found = {name: self.metric(f"samplerscope_{name}", lane=lane) for name in ("running", "queue_length")}
+            return found == {"running": running, "queue_length": waiting}
+
+        wait_until(there, f"lane {lane} has {running} running and {waiting} waiting")
+
+    def worker(self, lane: str) -> int:
+        """The process id of a lane's latest worker, from the log."""
+        started = [line for line in self.lines() if line["message"] == "worker started" and line["lane"] == lane]
+        return started[-1]["worker"]
 
     def metric(self, name, **labels) -> float:
         """The sum of a metric over the labels that are not given."""
@@ -101,7 +135,7 @@ class Server:
     def stop(self) -> int:
         self.client.close()
         self.process.send_signal(signal.SIGTERM)
-        return self.process.wait(timeout=30)
+        return self.process.wait(timeout=PATIENCE_S)
 
     def kill(self) -> None:
         self.client.close()

@@ -1,26 +1,25 @@
 """Long questions become jobs: watched, cancelled, and gone on with after a restart."""
 
 import json
+import os
+import signal
 import sqlite3
-import time
 from contextlib import closing
 
 import httpx
 import pytest
-from http_server import HUGE, LONG, SMALL, without_run
+from http_server import HUGE, LONG, PATIENCE_S, SMALL, seeded, wait_until, without_run
 
 
-def seeded(scene, seed):
-    return scene | {"estimator": scene["estimator"] | {"seed": seed}}
-
-
-def events(server, path, most=10_000):
+def events(server, path, most=10_000, when_watching=lambda: None):
     """(name, data) of the events of a job until its end, or of the first `most`."""
     found = []
-    with httpx.stream("GET", f"{server.url}{path}/events", timeout=60) as reply:
+    with httpx.stream("GET", f"{server.url}{path}/events", timeout=PATIENCE_S) as reply:
         assert reply.headers["content-type"].startswith("text/event-stream")
         name = None
         for line in reply.iter_lines():
+            if name is None:
+                when_watching()
             if line.startswith("event: "):
                 name = line.removeprefix("event: ")
             elif line.startswith("data: "):
@@ -37,7 +36,7 @@ def test_a_question_estimated_above_the_limit_becomes_a_job(server):
     job = server.client.get(path).json()
     assert job["state"] in ("queued", "running")
     assert job["estimate_s"] > 3.0
-    assert job["scene"]["estimator"]["samples"] == 10**9
+    assert job["scene"]["estimator"]["samples"] == 10**10
     # The same question again is the same job; its result is not there yet.
     assert server.ask(seeded(HUGE, 50)).headers["location"] == path
     early = server.client.get(f"{path}/result")
@@ -58,10 +57,14 @@ def test_prefer_respond_async_makes_any_new_question_a_job(server):
     assert result.headers["etag"] == again.headers["etag"]
 
 
-def test_events_tell_progress_and_partial_statistics_that_plot(server):
+def test_events_tell_progress_and_partial_statistics_that_plot(start_server):
     scene = seeded(LONG, 52)
+    server = start_server(beat_timeout_s=PATIENCE_S)
+    # The worker stands still until someone watches, who so hears of the job from its beginning.
+    worker = server.worker("jobs")
+    os.kill(worker, signal.SIGSTOP)
     path = server.start_job(scene)
-    told = events(server, path)
+    told = events(server, path, when_watching=lambda: os.kill(worker, signal.SIGCONT))
     assert told[-1][0] == "done"
     progress = [data for name, data in told if name == "progress"]
     assert {data["technique"] for data in progress} >= {"cosine", "cltc-mis"}
@@ -83,14 +86,16 @@ def test_events_tell_progress_and_partial_statistics_that_plot(server):
 def test_delete_cancels_at_the_next_launch_and_frees_the_device(server):
     path = server.start_job(seeded(HUGE, 53))
     server.await_job(path, wanted=("running",))
-    begin = time.monotonic()
-    assert server.client.delete(path).json()["state"] == "cancelled"
-    assert time.monotonic() - begin < 2.0
+    before = server.client.get(path).json()["progress"]["done"]
+    server.client.delete(path)
+    cancelled = server.await_job(path, wanted=("cancelled",))
+    # A launch draws some millions of samples: tens of them is soon, of the 640 thousand millions that were asked for.
+    assert cancelled["progress"]["done"] - before < 10**9
     assert server.client.delete(path).json()["state"] == "cancelled"
     assert events(server, path) == [("cancelled", {})]
     assert server.client.get(f"{path}/result").status_code == 409
     # The lane is free: another job runs to its end, and the worker was not replaced for it.
-    server.await_job(server.start_job(seeded(LONG, 54)), seconds=30)
+    server.await_job(server.start_job(seeded(LONG, 54)))
     assert server.metric("samplerscope_worker_restarts_total", lane="jobs") == 0
 
 
@@ -111,8 +116,9 @@ def test_a_job_survives_a_restart_of_the_server_and_ends_with_the_same_bits(star
         assert first.stop() == 0
     else:
         with closing(sqlite3.connect(first.folder / "data" / "results-1.sqlite3")) as database:
-            while database.execute("SELECT COUNT(*) FROM checkpoint").fetchone() == (0,):
-                time.sleep(0.005)
+            wait_until(
+                lambda: database.execute("SELECT COUNT(*) FROM checkpoint").fetchone() != (0,), "a checkpoint is stored"
+            )
         first.kill()
     second = start_server()
     resumed = [line for line in second.lines() if line["message"] == "going on with a job"]
@@ -128,13 +134,12 @@ def test_watchers_are_told_that_the_server_stops(start_server):
     server = start_server()
     path = server.start_job(seeded(HUGE, 58))
     server.await_job(path, wanted=("running",))
-    with httpx.stream("GET", f"{server.url}{path}/events", timeout=30) as reply:
+    with httpx.stream("GET", f"{server.url}{path}/events", timeout=PATIENCE_S) as reply:
         lines = reply.iter_lines()
         next(lines)
-        begin = time.monotonic()
+        # It ends at once, by what `stop` waits at most: the job itself takes an hour.
         assert server.stop() == 0
         assert "event: interrupted" in list(lines)
-    assert time.monotonic() - begin < 5.0
 
 
 def test_a_watcher_that_goes_away_leaves_the_job_running(server):
@@ -161,6 +166,18 @@ def test_convergence_is_a_job_whose_result_then_answers_the_question(server):
         link.replace("replicates=32", "replicates=2").replace("target_error=0.1", "target_error=7")
     )
     assert {error["field"] for error in wrong.json()["errors"]} == {"replicates", "target_error"}
+
+
+def test_small_jobs_overtake_a_long_convergence_and_delete_ends_it(server):
+    scene = {"model": "eon", "estimator": {"samples": 2**24}, "reference": False}
+    long = server.client.post("/v1/jobs", json={"kind": "convergence", "scene": scene}).headers["location"]
+    server.await_lane("jobs", running=1, waiting=0)
+    server.await_job(server.start_job(seeded(SMALL, 60)))
+    assert server.client.get(long).json()["state"] in ("queued", "running")
+    server.client.delete(long)
+    server.await_job(long, wanted=("cancelled",))
+    server.await_lane("jobs", running=0, waiting=0)
+    assert server.metric("samplerscope_worker_restarts_total", lane="jobs") == 0
 
 
 def test_stability_is_a_job_whose_result_then_answers_the_question(server):

@@ -2,11 +2,12 @@
 
 import asyncio
 import itertools
+import json
 import os
 import signal
 
 import pytest
-from http_server import HUGE, LONG, SMALL
+from http_server import HUGE, LONG, PATIENCE_S, SMALL
 
 from service.sampling import CellSums, Checkpoint
 from service.worker import checkpoints
@@ -68,6 +69,94 @@ def test_equal_tasks_share_the_device_and_both_end():
     with_lane(use, quantum_s=0.05)
 
 
+def unresumable(kind, scene, **more):
+    return Task({"do": "answer", "kind": kind, "scene": scene}, **more)
+
+
+MINUTES = {"model": "eon", "estimator": {"samples": 2**24}}
+"""A convergence of minutes: it has no checkpoints."""
+
+
+async def begun(lane, task):
+    while lane.running is not task:
+        await asyncio.sleep(0.01)
+
+
+def test_small_tasks_are_guests_of_a_long_one_that_cannot_be_resumed_and_a_cancel_ends_it_at_its_next_step():
+    async def use(lane):
+        host = unresumable("convergence", MINUTES)
+        lane.submit(host)
+        await begun(lane, host)
+        for small in (task(SMALL), task(LONG), unresumable("stability", {"model": "lambert"}, estimate_s=0.0)):
+            lane.submit(small)
+            assert (await small.future).head["say"] == "done"
+            assert lane.at_work == [host]
+        lane.cancel(host)
+        with pytest.raises(Cancelled):
+            await host.future
+        assert lane.restarts == 0
+        assert not lane.at_work
+
+    with_lane(use)
+
+
+def test_a_host_and_a_guest_of_an_hour_share_the_device():
+    async def use(lane):
+        heard = []
+        host = unresumable("convergence", MINUTES, hear=lambda message: heard.append("host"))
+        guest = task(HUGE, hear=lambda message: heard.append("guest"))
+        lane.submit(host)
+        await begun(lane, host)
+        lane.submit(guest)
+        while sum(before != after for before, after in itertools.pairwise(heard)) < 6:
+            await asyncio.sleep(0.01)
+        for one in (guest, host):
+            lane.cancel(one)
+            with pytest.raises(Cancelled):
+                await one.future
+        assert lane.restarts == 0
+
+    with_lane(use)
+
+
+def test_a_task_that_had_guests_ends_with_the_result_of_one_that_had_none():
+    async def use(lane):
+        results = []
+        for guests in (False, True):
+            host = unresumable("stability", {"model": "eon", "techniques": ["cosine", "cltc-mis"]})
+            lane.submit(host)
+            served = 0
+            while guests and not host.future.done():
+                small = task(SMALL | {"estimator": {"samples": 20000, "seed": served}})
+                lane.submit(small)
+                served += (await small.future).head["say"] == "done"
+            results.append(json.loads((await host.future).blobs[0]))
+            assert bool(served) == guests
+        alone, interrupted = ({k: v for k, v in one.items() if k != "run"} for one in results)
+        assert interrupted == alone
+
+    with_lane(use)
+
+
+def test_a_worker_that_is_killed_with_a_guest_costs_both_and_is_replaced():
+    async def use(lane):
+        host, guest = unresumable("convergence", MINUTES), task(HUGE)
+        lane.submit(host)
+        await begun(lane, host)
+        lane.submit(guest)
+        while lane.at_work != [host, guest]:
+            await asyncio.sleep(0.01)
+        os.kill(lane.worker.process.pid, signal.SIGKILL)
+        for one in (host, guest):
+            with pytest.raises(WorkerLost):
+                await one.future
+        small = task(SMALL)
+        lane.submit(small)
+        assert (await small.future).head["say"] == "done"
+
+    with_lane(use)
+
+
 def test_a_full_queue_refuses_and_cancelled_tasks_leave_it():
     async def use(lane):
         running = task(HUGE)
@@ -83,7 +172,7 @@ def test_a_full_queue_refuses_and_cancelled_tasks_leave_it():
             lane.cancel(one)
         for one in (*waiting, running):
             with pytest.raises(Cancelled):
-                await asyncio.wait_for(one.future, 20)
+                await asyncio.wait_for(one.future, PATIENCE_S)
         assert lane.running is None or not lane.waiting
         assert lane.restarts == 0
 

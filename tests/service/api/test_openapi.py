@@ -8,13 +8,14 @@ from contextlib import suppress
 
 import pytest
 import schemathesis
-from http_server import Server
+from http_server import PATIENCE_S, Server
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis.errors import Unsatisfiable
 from schemathesis import checks
 from schemathesis.specs.openapi import checks as openapi_checks
 
 from service.catalogue import load_catalogue
+from service.presets import preset_names
 
 CASES = int(os.environ.get("SAMPLERSCOPE_TEST_CASES", "8"))
 """Generated requests for each operation; `make bench` asks for many more."""
@@ -46,7 +47,8 @@ def document(small_server):
 def test_models_techniques_and_formats_are_enums_and_parameters_have_ranges_and_meanings(document):
     catalogue = load_catalogue()
     found = {one["name"]: one for one in document["paths"]["/v1/statistics"]["get"]["parameters"]}
-    assert set(found["model"]["schema"]["enum"]) == set(catalogue.models)
+    assert set(found["model"]["schema"]["enum"]) == {*catalogue.models, "all"}
+    assert set(found["preset"]["schema"]["enum"]) == set(preset_names())
     assert set(found["techniques"]["schema"]["items"]["enum"]) == set(catalogue.techniques)
     assert found["format"]["schema"]["enum"][0] == "json"
     for entry in (*catalogue.models.values(), *catalogue.techniques.values()):
@@ -57,7 +59,7 @@ def test_models_techniques_and_formats_are_enums_and_parameters_have_ranges_and_
     roughness = catalogue.models["eon"].head.parameters["roughness"]
     assert roughness.help in found["roughness"]["description"]
     scene = document["components"]["schemas"]["Scene"]
-    assert set(scene["properties"]["model"]["enum"]) == set(catalogue.models)
+    assert set(scene["properties"]["model"]["enum"]) == {*catalogue.models, "all"}
     assert "roughness" in scene["properties"]["parameters"]["properties"]
 
 
@@ -94,7 +96,7 @@ def test_every_response_to_generated_requests_is_one_the_document_describes(smal
             )
             def conforms(case):
                 sent[case.operation.label] += 1
-                case.call_and_validate(base_url=small_server.url, checks=CHECKS, timeout=60)
+                case.call_and_validate(base_url=small_server.url, checks=CHECKS, timeout=PATIENCE_S)
 
             # An operation without parameters has no wrong request.
             with suppress(Unsatisfiable):

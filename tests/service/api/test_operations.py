@@ -4,11 +4,10 @@ import re
 import subprocess
 import sys
 import threading
-import time
 
 import httpx
 import pytest
-from http_server import HUGE, LONG, SMALL
+from http_server import HUGE, LONG, PATIENCE_S, SMALL, wait_until
 
 
 def test_readiness_is_a_dispatch_compared_with_a_known_result(server):
@@ -70,7 +69,7 @@ def run_serve(**environment):
 
     variables = os.environ | {f"SAMPLERSCOPE_{k.upper()}": str(v) for k, v in environment.items()}
     command = [sys.executable, "-c", "from service.cli import main; main()", "serve", "--port", "0"]
-    return subprocess.run(command, env=variables, capture_output=True, text=True, timeout=60, check=False)
+    return subprocess.run(command, env=variables, capture_output=True, text=True, timeout=PATIENCE_S, check=False)
 
 
 def test_bad_settings_are_one_line_and_exit_2(tmp_path):
@@ -93,26 +92,28 @@ def test_without_a_device_the_server_does_not_start_and_exits_3(tmp_path):
 
     variables = {"SAMPLERSCOPE_DATA_DIR": str(tmp_path), "VK_DRIVER_FILES": str(tmp_path / "none.json")}
     command = [sys.executable, "-c", "from service.cli import main; main()", "serve", "--port", "0"]
-    done = subprocess.run(command, env=os.environ | variables, capture_output=True, text=True, timeout=60, check=False)
+    done = subprocess.run(
+        command, env=os.environ | variables, capture_output=True, text=True, timeout=PATIENCE_S, check=False
+    )
     assert done.returncode == 3
     assert "Traceback" not in done.stderr
     assert "VK_DRIVER_FILES" in done.stderr.splitlines()[-1]
 
 
 def test_the_end_lets_direct_answers_finish_and_leaves_no_process(start_server):
-    server = start_server()
+    server = start_server(graceful_s=PATIENCE_S)
     replies = []
     scene = LONG | {"theta_o_deg": {"count": 4}}
-    asking = threading.Thread(target=lambda: replies.append(httpx.post(f"{server.url}/v1/statistics", json=scene)))
+    asking = threading.Thread(
+        target=lambda: replies.append(httpx.post(f"{server.url}/v1/statistics", json=scene, timeout=PATIENCE_S))
+    )
     asking.start()
     workers = server.workers()
-    while not server.metric("samplerscope_answers_total", how="computed"):
-        time.sleep(0.002)
+    wait_until(lambda: server.metric("samplerscope_answers_total", how="computed"), "the question is there")
     assert server.stop() == 0
     asking.join()
     assert replies[0].status_code == 200
     assert len(workers) == 3
-    time.sleep(0.1)
     from pathlib import Path
 
     assert not [pid for pid in workers if Path(f"/proc/{pid}").exists()]
@@ -122,11 +123,10 @@ def test_a_direct_answer_that_cannot_finish_in_time_is_a_problem_at_the_end(star
     server = start_server(graceful_s=0.5, direct_limit_s=1e6, request_timeout_s=600)
     replies = []
     asking = threading.Thread(
-        target=lambda: replies.append(httpx.post(f"{server.url}/v1/statistics", json=HUGE, timeout=60))
+        target=lambda: replies.append(httpx.post(f"{server.url}/v1/statistics", json=HUGE, timeout=PATIENCE_S))
     )
     asking.start()
-    while not server.metric("samplerscope_answers_total", how="computed"):
-        time.sleep(0.01)
+    server.await_lane("direct", running=1, waiting=0)
     assert server.stop() == 0
     asking.join()
     assert replies[0].status_code == 503

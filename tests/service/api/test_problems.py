@@ -1,17 +1,13 @@
 """What is wrong is told as a problem: every field, the value given, what is allowed; and never a traceback."""
 
-import asyncio
 import json
 import sqlite3
-from contextlib import closing
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing, contextmanager
 
 import httpx
 import pytest
-from http_server import HUGE, LONG, SMALL
-
-
-def seeded(scene, seed):
-    return scene | {"estimator": scene["estimator"] | {"seed": seed}}
+from http_server import HUGE, LONG, PATIENCE_S, SMALL, seeded
 
 
 def problem(reply, status):
@@ -116,27 +112,40 @@ def test_budgets_beyond_the_limits_tell_estimate_and_limit(start_server):
 
 
 def test_a_full_queue_is_503_and_too_many_of_one_client_429_with_retry_after(start_server):
-    server = start_server(queue_limit=2, client_limit=5, direct_limit_s=1e6, request_timeout_s=2.0)
+    full = start_server(queue_limit=2, direct_limit_s=1e6, request_timeout_s=1e6)
+    with asking(full, 3, first=100):
+        full.await_lane("direct", running=1, waiting=2)
+        refused = full.ask(seeded(HUGE, 110))
+        assert problem(refused, 503)["type"].endswith(":queue-full")
+        assert int(refused.headers["retry-after"]) >= 1
+    limited = start_server(client_limit=3, direct_limit_s=1e6, request_timeout_s=1e6, data_dir=full.folder / "other")
+    with asking(limited, 3, first=200):
+        limited.await_lane("direct", running=1, waiting=2)
+        refused = limited.ask(seeded(HUGE, 210))
+        assert problem(refused, 429)["type"].endswith(":too-many-requests")
+        assert int(refused.headers["retry-after"]) >= 1
 
-    async def fill(count, first):
-        async with httpx.AsyncClient(base_url=server.url, timeout=60) as client:
-            asked = [client.post("/v1/statistics", json=seeded(HUGE, first + k)) for k in range(count)]
-            return await asyncio.gather(*asked)
 
-    replies = asyncio.run(fill(5, 100))
-    kinds = sorted(problem(reply, 503)["type"].rpartition(":")[2] for reply in replies)
-    # Two wait, and one runs if the worker took it before the last came, until their time is up; the others find the
-    # queue full.
-    assert set(kinds) == {"queue-full", "timed-out"}
-    assert 2 <= kinds.count("queue-full") <= 3
-    assert all("retry-after" in reply.headers for reply in replies)
-    many = start_server(client_limit=3, direct_limit_s=1e6, request_timeout_s=2.0, data_dir=server.folder / "other")
-    server = many
-    replies = asyncio.run(fill(8, 200))
-    assert sorted({reply.status_code for reply in replies}) == [429, 503]
-    refused = [reply for reply in replies if reply.status_code == 429]
-    assert len(refused) == 5
-    assert all(int(reply.headers["retry-after"]) >= 1 for reply in refused)
+def test_a_direct_answer_that_takes_too_long_is_503_with_retry_after(start_server):
+    server = start_server(direct_limit_s=1e6, request_timeout_s=0.5)
+    reply = server.ask(HUGE)
+    assert problem(reply, 503)["type"].endswith(":timed-out")
+    assert int(reply.headers["retry-after"]) >= 1
+
+
+@contextmanager
+def asking(server, count, first):
+    """Huge questions under way, until the server is stopped at the end."""
+    with ThreadPoolExecutor(count) as pool:
+        asked = [
+            pool.submit(httpx.post, f"{server.url}/v1/statistics", json=seeded(HUGE, first + k), timeout=PATIENCE_S)
+            for k in range(count)
+        ]
+        try:
+            yield
+        finally:
+            server.kill()
+    assert all(isinstance(one.exception(), httpx.TransportError) for one in asked)
 
 
 def test_an_error_inside_the_service_tells_the_client_nothing_but_an_id_that_is_in_the_log(start_server):

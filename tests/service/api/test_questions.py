@@ -3,12 +3,22 @@
 import csv
 import io
 import json
+import re
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 from http_server import SMALL, without_run
+from starlette.datastructures import QueryParams
+
+from service.api.queries import parameter_names, scene_of_query
+from service.catalogue import load_catalogue
+from service.cli.commands.stats import stats
+from service.cli.options import scene_data
+from service.scene import parse_scene, resolve
+from service.worker.kinds import KINDS
 
 LINK = "/v1/statistics?model=eon&roughness=0.5,1&techniques=cosine,cltc-mis&angles=4&samples=20000&seed=3"
 TYPES = {
@@ -30,6 +40,43 @@ def test_a_link_gives_the_json_of_the_command_line(server):
     assert without_run(answered) == without_run(printed)
     assert list(answered) == list(printed)
     assert answered["run"].keys() == printed["run"].keys()
+
+
+def test_every_link_of_the_documentation_asks_what_the_command_beside_it_asks():
+    """The same function answers both, so that equal questions have equal answers; order counts: it is the series'."""
+    catalogue = load_catalogue()
+    text = (Path(__file__).parents[3] / "docs" / "http.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `(/v1/statistics\?[^`]*)` \| `stats ([^`]*)` \|$", text, re.MULTILINE)
+    assert len(rows) >= 6
+    for link, options in rows:
+        query = QueryParams(link.partition("?")[2])
+        linked = scene_of_query(query, KINDS["statistics"], catalogue, parameter_names(catalogue))
+        given = stats.make_context("stats", options.split()).params
+        typed = parse_scene(scene_data(**{k: v for k, v in given.items() if k not in ("format_", "outputs", "device")}))
+        asked, commanded = resolve(linked, catalogue), resolve(typed, catalogue)
+        assert asked.scene.model_dump_json() == commanded.scene.model_dump_json()
+        assert asked.series == commanded.series
+
+
+def test_a_preset_with_azimuths_over_http_gives_the_json_of_the_command_line(server):
+    options = (
+        "stats --preset red-velvet --set kd=0.1,0.2 --set ks=0.3,0.1 --zip kd,ks --technique cosine --samples 2000"
+    )
+    view = "--theta-o-deg 0,60 --phi-o-deg 0,45"
+    command = [sys.executable, "-c", "from service.cli import main; main()", *options.split(), *view.split()]
+    printed = json.loads(subprocess.run([*command, "--format", "json"], capture_output=True, check=True).stdout)
+    link = "preset=red-velvet&kd=0.1,0.2&ks=0.3,0.1&zip=kd,ks&techniques=cosine"
+    link += "&theta_o_deg=0,60&phi_o_deg=0,45&samples=2000"
+    answered = server.client.get(f"/v1/statistics?{link}")
+    while answered.status_code == 202:
+        server.await_job(answered.headers["location"])
+        answered = server.client.get(f"/v1/statistics?{link}")
+    assert answered.status_code == 200, answered.text
+    assert without_run(answered.json()) == without_run(printed)
+    both = server.client.get("/v1/statistics?preset=red-velvet&model=eon&techniques=cosine").json()
+    assert {error["field"] for error in both["errors"]} == {"model"}
+    unknown = server.client.get("/v1/statistics?preset=gold").json()
+    assert "preset" in {error["field"] for error in unknown["errors"]}
 
 
 def test_a_posted_scene_and_the_link_for_it_get_the_same_bytes(server):
@@ -111,7 +158,6 @@ def test_figures_are_scenes_of_papers(server):
 
 
 def test_the_catalogue_is_that_of_info(server):
-    from service.catalogue import load_catalogue
     from service.information import describe_catalogue
 
     answer = server.client.get("/v1/catalogue")

@@ -1,5 +1,6 @@
 """A run that is interrupted after every launch and goes on from packed checkpoints ends with the same bits."""
 
+import itertools
 import json
 
 import pytest
@@ -8,6 +9,7 @@ from http_server import without_run
 from service.scene import parse_scene, resolve
 from service.statistics import compute_statistics
 from service.worker import checkpoints
+from service.worker.kinds import KINDS
 
 
 class Interruption(Exception):
@@ -66,6 +68,35 @@ def test_an_interrupted_run_ends_with_the_same_bits(engine, estimator):
     whole = compute_statistics(question, engine)
     assert interruptions >= 3
     assert without_run(json.loads(json.dumps(result))) == without_run(json.loads(json.dumps(whole)))
+
+
+@pytest.mark.parametrize(
+    ("kind", "scene"),
+    [
+        ("convergence", {"techniques": "cosine", "theta_o_deg": [45.0], "estimator": {"samples": 512}}),
+        ("stability", {"techniques": "cosine"}),
+    ],
+)
+def test_work_without_checkpoints_is_ended_at_any_step_and_leaves_nothing_on_the_device(
+    engine, monkeypatch, kind, scene
+):
+    question = resolve(KINDS[kind].parse({"model": "eon", "reference": False, **scene}), engine.catalogue)
+    steps = itertools.count()
+    monkeypatch.setattr(engine, "pause", lambda: next(steps) and None)
+    KINDS[kind].compute(question, engine, lambda *_: None)
+    before, count = engine.device.live_objects, next(steps)
+    assert count >= 5
+    for last in range(0, count, count // 5):
+        left = iter(range(last))
+
+        def pause(left=left):
+            if next(left, None) is None:
+                raise Interruption
+
+        monkeypatch.setattr(engine, "pause", pause)
+        with pytest.raises(Interruption):
+            KINDS[kind].compute(question, engine, lambda *_: None)
+        assert engine.device.live_objects == before
 
 
 def test_an_interruption_leaves_nothing_on_the_device(engine):

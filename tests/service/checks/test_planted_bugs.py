@@ -38,6 +38,7 @@ TECHNIQUES = {
         {"pdf-normalisation", "chi-square", "jacobian", "coverage", "unbiased", "tail", "supremum"},
     ),
     "seam": ({"continuity"}, set()),
+    "sharp-lobe": ({"chi-square", "jacobian"}, {"coverage", "unbiased", "tail", "supremum"}),
 }
 BUGS = {**MODELS, **TECHNIQUES}
 

@@ -8,7 +8,7 @@ from scipy import stats
 
 from service.checks.binning import EXPECTED_AT_LEAST, chi_square, partition, upper_tail
 from service.checks.effort import FALSE_ALARM
-from service.checks.regions import coordinates, cut, directions, grid, integrate
+from service.checks.regions import Known, coordinates, cut, directions, grid, integrate
 from service.checks.sampled import _bernstein
 from service.checks.tails import FITTED, INFINITE_VARIANCE, KEPT, UNBOUNDED, tail_index
 
@@ -41,6 +41,75 @@ def test_bins_with_few_expected_hits_are_pooled_and_none_is_lost():
     assert 2 <= test.freedom + 1 <= 2 + expected[:100].sum() / EXPECTED_AT_LEAST
     doubled = chi_square(2 * expected, expected, 0 * expected)
     assert doubled.statistic == pytest.approx(expected.sum(), rel=1e-9)
+
+
+def test_bins_whose_expectation_is_not_certain_take_no_part():
+    """What the quadrature did not see is no evidence against the sampler; what it did see still is."""
+    expected, unsure = np.full(64, 400.0), np.zeros(64)
+    hits = expected.copy()
+    hits[:8] = 3 * expected[:8]
+    unsure[:8] = 800.0
+    test = chi_square(hits, expected, unsure)
+    assert (test.statistic, test.freedom) == (0.0, 56)
+    assert test.left_out == pytest.approx(8 * 1200 / (8 * 1200 + 56 * 400))
+    hits[8:] = np.where(np.arange(56) % 2, 320.0, 480.0)
+    assert chi_square(hits, expected, unsure).probability < 1e-9
+
+
+def test_chi_square_of_some_bins_alone_stays_below_its_limit():
+    """400 runs of 64 bins of which half take part: no more small probabilities than a uniform law gives, up to chance.
+
+    A count of 400 below 0.1 exceeds 65 by chance once in 3,000.
+    """
+    rng = np.random.default_rng(6)
+    share = rng.dirichlet(np.full(64, 3.0))
+    expected = 40_000 * share
+    unsure = np.where(np.arange(64) < 32, 1e4, 0.0)
+    below = sum(
+        chi_square(rng.multinomial(40_000, share).astype(float), expected, unsure).probability < 0.1 for _ in range(400)
+    )
+    assert below <= 65
+
+
+SPOT = np.array([0.48, -0.36, 0.8])
+SHARPNESS = 1e9
+
+
+def spot_and_sphere(wi):
+    """Half of the density uniform on the sphere, half a von Mises-Fisher lobe 3e-5 in width."""
+    off = 0.5 * np.sum((wi - SPOT) ** 2, axis=1)
+    return 0.5 / (4 * np.pi) + 0.5 * SHARPNESS / (2 * np.pi) * np.exp(-SHARPNESS * off)
+
+
+def drawn_from_spot_and_sphere(count, rng):
+    wi = rng.normal(size=(count, 3)) * np.where(rng.random(count) < 0.5, 1.0, SHARPNESS**-0.5)[:, None]
+    wi[np.linalg.norm(wi, axis=1) < 1e-3] += SPOT
+    return wi / np.linalg.norm(wi, axis=1, keepdims=True)
+
+
+def spot_integral(budget, *, told):
+    wi = drawn_from_spot_and_sphere(2000, np.random.default_rng(4))
+    t, phi = coordinates(wi)
+    bins = np.floor(np.minimum(t, 1.9999) * 8).astype(np.int64) * 16 + np.floor(phi / (2 * np.pi) * 16).astype(int)
+    known = Known(t, phi, np.zeros(len(t), np.int64), bins, spot_and_sphere(wi)[:, None])
+    boxes = cut(grid(1, 8, 16, sphere=True), np.pi / 32)
+    found = integrate(
+        boxes, lambda wi, cell: spot_and_sphere(wi)[None], (1, 256), 1e-6, budget, known=known if told else None
+    )
+    return found.total[0, 0], found.error[0, 0]
+
+
+def test_a_lobe_between_the_nodes_is_missed_without_a_word_unless_directions_tell_of_it():
+    blind, promised = spot_integral(500_000, told=False)
+    assert (blind, promised) == (pytest.approx(0.5, abs=1e-9), pytest.approx(0.0, abs=1e-9))
+    told, promised = spot_integral(500_000, told=True)
+    assert told == pytest.approx(1.0, abs=1e-6)
+    assert abs(told - 1) <= promised < 1e-3
+
+
+def test_a_lobe_that_the_evaluations_do_not_reach_is_stated_as_error():
+    short, promised = spot_integral(0, told=True)
+    assert 0.1 < abs(short - 1) <= promised
 
 
 def test_partition_gives_every_direction_one_leaf_and_follows_a_narrow_lobe():

@@ -23,7 +23,7 @@ def test_a_cost_lies_within_its_interval_and_is_positive(engine):
 def test_parameters_change_from_call_to_call(engine):
     """So that no coefficient can be hoisted: every declared parameter is assigned inside the loop."""
     catalogue = engine.catalogue
-    variant = compose(catalogue, catalogue.model("eon"), catalogue.technique("cltc-mis"), "cost")
+    variant = compose(catalogue, catalogue.model("eon"), [catalogue.technique("cltc-mis")], "cost")
     drawn = variant.includes["variant/draw_parameters.glsl"]
     assert all(f"parameter_{name} = ranges[" in drawn for name in ("roughness", "albedo"))
     loop = variant.source[variant.source.index("for (uint i = 0u; i < calls") :]

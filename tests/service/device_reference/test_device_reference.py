@@ -1,14 +1,12 @@
 """The float64 truth of a file from itself, against the truth from the formulas, which shares no code with it."""
 
 import math
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from service.device_reference import device_reference
-from service.engine import Engine
 from service.reference import cells_reference
 from service.sampling import IncompleteRun
 from service.scene import parse_scene, resolve
@@ -143,19 +141,3 @@ def test_a_loop_at_the_limit_is_an_error_of_the_quadrature_too(compute, own_file
             catalogue=catalogue, model="endless", techniques="cosine", theta_o_deg=[30], reference=False,
             estimator={"method": "quadrature"},
         )  # fmt: skip
-
-
-def test_a_stored_truth_is_found_again_and_a_change_of_the_file_forgets_it(engine, own_file, monkeypatch):
-    import service.reference_store as store
-
-    calls = []
-    monkeypatch.setattr(store, "device_reference", lambda plan, at, angles: calls.append(angles) or
-                        device_reference(plan, at, angles))  # fmt: skip
-    for code in ("return INV_PI;", "return INV_PI;", "return 0.5 * INV_PI;"):
-        catalogue = own_file(f"float brdf(vec3 wi, vec3 wo) {{ {code} }}\n", "model", "half")
-        at = Engine(engine.device, catalogue, engine.cache)
-        scene = parse_scene({"model": "half", "techniques": "cosine", "theta_o_deg": [30.0]})
-        plan = replace(resolve(scene, catalogue).series[0])
-        (cell,) = store.plan_reference(plan, [30.0], at)
-    assert calls == [[30.0], [30.0]]
-    assert cell.albedo == pytest.approx(0.5, abs=1e-4)

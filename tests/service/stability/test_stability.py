@@ -11,6 +11,7 @@ from service.probe import Probe
 from service.scene import parse_scene, resolve
 from service.stability import compute_stability
 from service.stability.grid import EDGE_COSINES, EDGE_NUMBERS, edge_settings, edge_values
+from service.stability.regions import ULP_LIMIT
 from service.stability.stiffness import condition_numbers, direction_rounding_effect, rounding_effect
 from service.stability.survey import Points, edge_points
 
@@ -109,6 +110,9 @@ default = 0.5
 """
 
 
+ANISOTROPIC = HEAD.replace('source = "own"', 'source = "own"\nanisotropic = true')
+
+
 def stability_of(engine, body):
     catalogue = load_catalogue()
     entry = read_entry(HEAD + f"float brdf(vec3 wi, vec3 wo) {{ {body} }}\n", "fragile.glsl")
@@ -197,6 +201,38 @@ def test_a_lobe_of_tiny_probability_keeps_its_digits(probe):
     assert found["wi"][0] == pytest.approx(
         [math.sin(2 * math.atan(slope)), 0, math.cos(2 * math.atan(slope))], abs=5e-7
     )
+
+
+def test_an_exception_by_the_direction_states_the_effect_of_the_direction(answers):
+    """What explains a point beyond 8 ulp is at least an eighth of its error; the inputs explain less there."""
+    found = [e for model in MODELS for e in answers[model]["exceptions"]]
+    by_direction = [e for e in found if e["reason"].startswith("stiff in the direction")]
+    assert by_direction
+    for e in by_direction:
+        assert e["by_rounded_inputs_ulp"] < e["worst_ulp"] / ULP_LIMIT
+        assert 1.0 + e["by_rounded_direction_ulp"] >= e["worst_ulp"] / ULP_LIMIT
+    for e in found:
+        depends = e["quantity"] in ("pdf", "weight")
+        assert (e["by_rounded_direction_ulp"] is not None) == depends
+
+
+def test_azimuths_of_the_scene_are_looked_at(engine):
+    """At 23.5 degrees, and 360 less, this value is infinite and nowhere else on the grid."""
+    pole = "float a = atan(wo.y, wo.x); return abs(a - 0.410152374) < 1e-4 ? -1.0 / 0.0 : INV_PI;"
+    entry = read_entry(ANISOTROPIC + f"float brdf(vec3 wi, vec3 wo) {{ {pole} }}\n", "fragile.glsl")
+    catalogue = load_catalogue()
+    extended = type(catalogue)({**catalogue.models, "fragile": entry}, catalogue.techniques, catalogue.includes)
+    at = Engine(engine.device, extended, engine.cache)
+
+    def regions(**azimuth):
+        scene = parse_scene({"model": "fragile", "techniques": ["cosine"], **azimuth})
+        return {region["name"]: region for region in compute_stability(resolve(scene, extended), at)["regions"]}
+
+    usual, asked = regions(), regions(phi_o_deg=[23.5, -336.5])
+    assert "azimuth of the scene" not in usual
+    assert sum(region["beyond_float32"] for region in usual.values()) == 0
+    assert asked["azimuth of the scene"]["beyond_float32"] > 0
+    assert asked["azimuth at quarter turns"]["points"] == usual["azimuth at quarter turns"]["points"]
 
 
 def test_given_parameters_are_kept(engine):

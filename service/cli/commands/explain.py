@@ -1,0 +1,35 @@
+"""samplerscope explain"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from service.cli.delivery import ProgressLine, deliver
+from service.cli.options import is_file, output_options, scene_data, scene_options
+from service.cli.own_file import answer_for_file
+
+
+@click.command()
+@scene_options
+@output_options
+def explain(format_: str | None, outputs: tuple[str, ...], device: str | None, **options: Any) -> None:
+    """What the shaders of a scene leave out, and what that saves: measured beside those that keep everything."""
+    path = options["model"]
+    if is_file(path):
+        deliver(lambda: answer_for_file("explain", path, scene_data(**options), device), format_, outputs)
+        return
+    deliver(lambda: explanation_of(scene_data(**options), device), format_, outputs)
+
+
+def explanation_of(data: dict[str, Any], device: str | None) -> dict[str, Any]:
+    """Open the device and explain the scene, with progress on stderr."""
+    from service.catalogue import load_catalogue
+    from service.engine import Engine
+    from service.explain import compute_explanation, parse_explain_scene
+    from service.scene import resolve
+
+    question = resolve(parse_explain_scene(data), load_catalogue())
+    with Engine.open(device=device) as engine, ProgressLine() as progress:
+        return compute_explanation(question, engine, progress)
