@@ -40,8 +40,10 @@ def plan_reference(plan: SeriesPlan, theta_o_deg: Sequence[float], engine: Engin
 
 def has_formulas(plan: SeriesPlan) -> bool:
     """Whether the reference in Python knows the pair. It does not know a user's own file, whatever its name."""
-    known = reference.load_model(plan.model.name) and reference.load_technique(plan.technique.name)
-    return not (plan.model.own or plan.technique.own) and known is not None
+    if plan.model.own or plan.technique.own:
+        return False
+    names = (reference.load_model(plan.model.name), reference.load_technique(plan.technique.name))
+    return None not in names
 
 
 def _stored(plan: SeriesPlan, theta_o_deg: Sequence[float], store: Cache) -> list[CellReference]:
