@@ -32,7 +32,7 @@ WORST = 1e-2
 CONFIRMING = 1e-3
 """Relative error of an albedo up to which it confirms a mean that agrees."""
 
-ALONE = 1e-4
+ALONE = 3e-4
 """The same up to which an albedo is given where no mean agrees: a lobe that it missed would show in its error."""
 
 TAIL = replace(FULL, tail_levels=16)

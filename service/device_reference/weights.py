@@ -24,7 +24,7 @@ MOST_NODES = 1 << 14
 """Nodes for one cell in the first resolution, at the most; the second has eight times as many."""
 
 SAFETY = 3.0
-SLIVER = 3e-5
+SLIVER = 1e-4
 """What a value may be off by, relative to it, where a kink lies so close to a border of panels that no node is between.
 
 With these two no error over the catalogue exceeds the one that is stated; see the tests.
