@@ -5,7 +5,7 @@ OUT := out
 COMPILE := $(BIN)/uv pip compile --quiet --upgrade --generate-hashes --python-version 3.11 --custom-compile-command 'make lock'
 
 .DEFAULT_GOAL := help
-.PHONY: help setup stats figures docs test bench bench-http bench-checks lint container container-test lock clean
+.PHONY: help setup stats figures docs test bench bench-record bench-http bench-checks lint container container-test lock clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 16
@@ -37,6 +37,9 @@ test: setup  ## prove it right, on the real driver
 
 bench: setup  ## speed and calibration beside NumPy, Numba, Dr.Jit and C++, brought on demand; minutes
 	$(BIN)/python tests/benchmarks/run.py
+
+bench-record: setup  ## measure the ratios to the peers and make them the recorded ones; on a quiet machine
+	$(BIN)/python tests/benchmarks/run.py --ratios-only --rounds 15 --record
 
 lint: setup  ## style and types
 	$(BIN)/ruff check .

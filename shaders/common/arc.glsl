@@ -11,16 +11,13 @@ float arcsine_small(float x) { return asin(x); }
 #else
 
 // asin(x) for |x| <= sqrt(1/2), to 1 ulp: x + x^3 P(x^2), P fitted by iteratively reweighted least squares to the
-// relative error of the whole, at most 1.6e-8.
+// relative error of the whole, at most 1.6e-8. Evaluated in pairs (Estrin), which wait less for each other.
 float arcsine_small(float x) {
     float t = x * x;
-    float p = 1.1130191386e-1;
-    p = p * t - 9.2594727874e-2;
-    p = p * t + 7.6956219971e-2;
-    p = p * t + 1.6394449398e-2;
-    p = p * t + 4.6501409262e-2;
-    p = p * t + 7.4884906411e-2;
-    p = p * t + 1.6666905582e-1;
+    float t2 = t * t;
+    float p = 1.1130191386e-1 * t2 + (7.6956219971e-2 - 9.2594727874e-2 * t);
+    p = p * t2 + (4.6501409262e-2 + 1.6394449398e-2 * t);
+    p = p * t2 + (1.6666905582e-1 + 7.4884906411e-2 * t);
     return x + x * t * p;
 }
 

@@ -16,9 +16,11 @@ vec2 point_on_circle(float u) {
 #endif
     uint q = uint(quarter);
     vec2 p = (q & 1u) == 0u ? vec2(c, s) : vec2(s, c);
-    bool flip_x = ((q + 1u) & 2u) != 0u;
-    bool flip_y = (q & 2u) != 0u;
-    return vec2(flip_x ? -p.x : p.x, flip_y ? -p.y : p.y);
+#ifdef DOUBLE_PRECISION
+    return vec2(((q + 1u) & 2u) != 0u ? -p.x : p.x, (q & 2u) != 0u ? -p.y : p.y);
+#else // the same by the sign bits
+    return uintBitsToFloat(floatBitsToUint(p) ^ (uvec2(q + 1u, q) << 30u & 0x80000000u));
+#endif
 }
 
 #endif

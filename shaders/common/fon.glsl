@@ -27,11 +27,9 @@ float fon_lobe(vec3 wi, vec3 wo, float r) {
 // D with 1 - E = A r D / pi, E the albedo at rho = 1 (eq. 12). 1 - E is never formed from E, which would lose all digits
 // towards grazing, where E tends to 1.
 float fon_deficit(float mu) {
-    float m = mu < 1.0 ? mu : 1.0; // rounding may take mu beyond
-    float s = sqrt((1.0 - m) * (1.0 + m));
-    float inverse = 1.0 / (1.0 + s);
-    return 0.904129660128230 * m * m * inverse
-        + s * (quadrant_angle(m, s) + s * m - 0.666666666666667 * m * (1.0 + s + s * s) * inverse);
+    float s = sqrt(abs((1.0 - mu) * (1.0 + mu))); // rounding may take mu beyond 1
+    float quotient = mu * (0.904129660128230 * mu - 0.666666666666667 * s * (1.0 + s + s * s)) / (1.0 + s);
+    return quotient + s * (quadrant_angle(mu, s) + s * mu);
 }
 
 // 1 - E(mu), relatively accurate on all of [0, 1].

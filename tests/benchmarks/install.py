@@ -65,7 +65,8 @@ def _cpp(bits: int) -> Peer:
         _run("g++", *flags, "-o", str(program), str(HERE / "eon.cpp"))
     except (_NotInstalled, OSError) as error:
         return Peer(label, missing=str(error))
-    return Peer(label, (str(program),))
+    # Its threads would otherwise spin into the time of the next program.
+    return Peer(label, (str(program),), (("OMP_WAIT_POLICY", "passive"),))
 
 
 class _NotInstalled(Exception):

@@ -1,9 +1,9 @@
 """make bench: EON statistics on lavapipe beside NumPy, Numba, Dr.Jit and C++, in one run.
 
 Every peer first has to give the same means and variances as the float64 reference. Then all run in turn, round after
-round; a ratio is the median of the rounds' ratios. Then the time to an error of a thousandth, by sampling and by the
-quadrature, whether intervals hold what they say, and whether the battery raises false alarms. `--rounds`, `--samples`,
-`--seeds` and `--batteries` make it shorter or longer.
+round; a ratio is the median of the rounds' ratios, and is compared with the recorded one: exit code 1 where a technique
+has become more than 10 % slower against the peers. Then the time to an error of a thousandth, by sampling and by the
+quadrature, how time and memory grow, whether intervals hold what they say, and whether the battery raises false alarms.
 """
 
 from __future__ import annotations
@@ -24,6 +24,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
+import growth
+import recorded
 from calibration import calibrate
 from false_alarms import count, describe
 from install import OUT, Peer, peers
@@ -48,8 +50,10 @@ OURS = "samplerscope (lavapipe)"
 def main() -> None:
     options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     options.add_argument("--rounds", type=int, default=7)
-    options.add_argument("--samples", type=int, default=1 << 17, help="for each of the 64 angles")
+    options.add_argument("--samples", type=int, default=1 << 20, help="for each of the 64 angles")
     options.add_argument("--seeds", type=int, default=60, help="of the calibration of intervals")
+    options.add_argument("--ratios-only", action="store_true", help="nothing after the comparison with the peers")
+    options.add_argument("--record", action="store_true", help="make the measured ratios the recorded ones")
     options.add_argument("--batteries", type=int, default=12, help="seeds of the battery on correct samplers")
     given = options.parse_args()
     with Engine.open() as engine:
@@ -58,15 +62,36 @@ def main() -> None:
         print(f"{engine.device.info.name}, {engine.device.info.driver_version}, {len(os.sched_getaffinity(0))} cores")
         print(f"EON at roughness 1, {ANGLES} angles, {given.samples:,} samples each, {given.rounds} rounds in turn\n")
         report = {"rates": rates(engine, question, given.samples, given.rounds)}
-        report["to_error"] = time_to_error(engine, question, report["rates"])
-        report["calibration"] = calibrate(engine, given.seeds)
-        begin = time.perf_counter()
-        alarms, runs = count(engine, range(1, given.batteries + 1))
-        print("\n" + describe(alarms, runs, time.perf_counter() - begin))
-        report["false_alarms"] = {"alarms": dict(alarms), "batteries": runs}
-        report["variants"] = variants(engine)
+        fallen = compare_with_record(report["rates"]["cpu_ratios"], engine.device.info.name, given.record)
+        if not given.ratios_only:
+            report |= the_rest(engine, question, report["rates"], given)
     OUT.mkdir(parents=True, exist_ok=True)
     (OUT / "bench.json").write_text(json.dumps(report, indent=1) + "\n")
+    sys.exit(1 if fallen else 0)
+
+
+def the_rest(engine: Engine, question: Question, measured: dict, given: argparse.Namespace) -> dict:
+    """All that follows the rates: see the head of this file."""
+    report = {"to_error": time_to_error(engine, question, measured)}
+    growth.write(growth.growth(engine))
+    report["calibration"] = calibrate(engine, given.seeds)
+    begin = time.perf_counter()
+    alarms, runs = count(engine, range(1, given.batteries + 1))
+    print("\n" + describe(alarms, runs, time.perf_counter() - begin))
+    report["false_alarms"] = {"alarms": dict(alarms), "batteries": runs}
+    report["variants"] = variants(engine)
+    return report
+
+
+def compare_with_record(ratios: dict[str, dict[str, list[float]]], device: str, record: bool) -> bool:
+    """Whether a technique has become slower; or, to `record`, keep the median ratios."""
+    medians = {peer: {name: quartiles[1] for name, quartiles in row.items()} for peer, row in ratios.items()}
+    if record:
+        recorded.save(medians, device)
+        return False
+    lines, fallen = recorded.compare(medians, device)
+    print("\n".join(lines) + "\n")
+    return fallen
 
 
 class Program:
@@ -82,8 +107,9 @@ class Program:
             cwd=Path(__file__).parent / "peers",
         )
 
-    def ask(self, technique: str, samples: int, seed: int, angles: list[float]) -> tuple[float, np.ndarray]:
-        """Seconds, and sums of (weight - 1)^k with the largest weight, shape (angles, 5)."""
+    def ask(self, technique: str, samples: int, seed: int, angles: list[float]) -> tuple[float, float, np.ndarray]:
+        """Seconds elapsed and of all cores, and sums of (weight - 1)^k with the largest weight, shape (angles, 5)."""
+        busy = cpu_seconds(self.process.pid)
         text = " ".join([technique, "1.0", str(samples), str(seed), *(repr(angle) for angle in angles)])
         sent, received = pipes(self.process)
         sent.write(text + "\n")
@@ -95,7 +121,13 @@ class Program:
             answer = json.loads(line)
         except json.JSONDecodeError:
             raise RuntimeError(f"its sums of {technique} are not finite") from None
-        return answer["seconds"], np.array(answer["powers"])
+        return answer["seconds"], cpu_seconds(self.process.pid) - busy, np.array(answer["powers"])
+
+
+def cpu_seconds(process: int) -> float:
+    """What the threads of a process have computed so far, all together."""
+    statistics = Path(f"/proc/{process}/task").glob("*/schedstat")
+    return sum(int(file.read_text().split()[0]) for file in statistics) / 1e9
 
 
 def pipes(process: subprocess.Popen[str]) -> tuple[IO[str], IO[str]]:
@@ -119,6 +151,7 @@ def rates(engine: Engine, question: Question, samples: int, rounds: int) -> dict
     """Samples a second of every program and technique, and our rate over each peer's, round by round."""
     angles = [radians(angle) for angle in question.scene.angles_deg]
     seconds: dict[str, dict[str, list[float]]] = {OURS: {name: [] for name in TECHNIQUES}}
+    busy: dict[str, dict[str, list[float]]] = {OURS: {name: [] for name in TECHNIQUES}}
     with ExitStack() as stack:
         samplers = {}
         for plan in question.series:
@@ -133,19 +166,25 @@ def rates(engine: Engine, question: Question, samples: int, rounds: int) -> dict
                     raise RuntimeError(peer.missing)
                 program = stack.enter_context(started(peer))
                 for plan in question.series:
-                    check(engine, question, plan, *program.ask(plan.technique.name, samples, 1, angles)[1:], samples)
+                    check(engine, question, plan, program.ask(plan.technique.name, samples, 1, angles)[2], samples)
                 running[peer.name] = program
-                seconds[peer.name] = {name: [] for name in TECHNIQUES}
+                seconds[peer.name], busy[peer.name] = ({name: [] for name in TECHNIQUES} for _ in range(2))
             except RuntimeError as error:
                 print(f"{peer.name}: not measured: {error}")
         for number in range(rounds):
             for technique in TECHNIQUES:
-                begin = time.perf_counter()
+                begin, used = time.perf_counter(), time.process_time()
                 samplers[technique].run(samples)
                 seconds[OURS][technique].append(time.perf_counter() - begin)
+                busy[OURS][technique].append(time.process_time() - used)
                 for name, program in running.items():
-                    seconds[name][technique].append(program.ask(technique, samples, 2 + number, angles)[0])
-    return table(seconds, samples)
+                    spent = program.ask(technique, samples, 2 + number, angles)
+                    seconds[name][technique].append(spent[0])
+                    busy[name][technique].append(spent[1])
+    report = table(seconds, samples)
+    report["cpu_ratios"] = ratios(busy)
+    print_ratios("the same by CPU time", report["cpu_ratios"])
+    return report
 
 
 def check(engine: Engine, question: Question, plan: SeriesPlan, powers: np.ndarray, samples: int) -> None:
@@ -174,17 +213,25 @@ def table(seconds: dict[str, dict[str, list[float]]], samples: int) -> dict:
     print(f"{'million samples a second':<28}" + "".join(f"{name:>17}" for name in TECHNIQUES))
     for name, times in seconds.items():
         print(f"{name:<28}" + "".join(f"{total / np.median(times[t]):>17.0f}" for t in TECHNIQUES))
-    print(f"\n{'times as fast as the peer':<28}" + "".join(f"{name:>17}" for name in TECHNIQUES))
-    report = {"samples": samples, "seconds": seconds, "ratios": {}}
-    for name, times in seconds.items():
-        if name == OURS:
-            continue
-        ratios = {t: np.array(times[t]) / np.array(seconds[OURS][t]) for t in TECHNIQUES}
-        report["ratios"][name] = {t: np.quantile(r, [0.25, 0.5, 0.75]).tolist() for t, r in ratios.items()}
-        cells = [f"{np.median(r):.2g} ({np.quantile(r, 0.25):.2g}-{np.quantile(r, 0.75):.2g})" for r in ratios.values()]
-        print(f"{name:<28}" + "".join(f"{cell:>17}" for cell in cells))
-    print()
+    report = {"samples": samples, "seconds": seconds, "ratios": ratios(seconds)}
+    print_ratios("times as fast as the peer", report["ratios"])
     return report
+
+
+def ratios(times: dict[str, dict[str, list[float]]]) -> dict[str, dict[str, list[float]]]:
+    """Quartiles over the rounds of each peer's time over ours."""
+    found: dict[str, dict[str, list[float]]] = {}
+    for name in (peer for peer in times if peer != OURS):
+        each = {t: np.array(times[name][t]) / np.array(times[OURS][t]) for t in TECHNIQUES}
+        found[name] = {t: np.quantile(ratio, [0.25, 0.5, 0.75]).tolist() for t, ratio in each.items()}
+    return found
+
+
+def print_ratios(title: str, found: dict[str, dict[str, list[float]]]) -> None:
+    print(f"\n{title:<28}" + "".join(f"{name:>17}" for name in TECHNIQUES))
+    for name, row in found.items():
+        cells = [f"{middle:.2f} ({low:.2f}-{high:.2f})" for low, middle, high in row.values()]
+        print(f"{name:<28}" + "".join(f"{cell:>17}" for cell in cells))
 
 
 def time_to_error(engine: Engine, question: Question, measured: dict) -> dict:

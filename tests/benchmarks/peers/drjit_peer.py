@@ -65,7 +65,8 @@ def lobe(v, technique, u1, cosine, sine):
     return x, z, z / (v.probability * (0.5 * dr.inv_pi) + density)
 
 
-def pair(i, lane, seed):
+def two_samples(i, lane, seed):
+    """(u1, u2) twice from one hash, as samplerscope forms them: u1 of 40 bits, u2 of 24."""
     m, k = 1664525, 1013904223
     a, b, c, d = i * m + k, lane * m + k, seed * m + k, UInt32(k)
     a += b * d
@@ -76,20 +77,28 @@ def pair(i, lane, seed):
     a += b * d
     b += c * a
     c += a * b
-    u1 = Float(Int32(a >> 8)) * 2**-24 + Float(Int32(b >> 8)) * 2**-48
-    return dr.minimum(u1, 1 - 2**-24), Float(Int32(c >> 8)) * 2**-24
+    d += b * c
+    return unit_square(a, b), unit_square(c, d)
+
+
+def unit_square(a, b):
+    u1 = Float(Int32(a >> 8)) * 2**-24 + Float(Int32(((a & 255) << 8) | (b & 255))) * 2**-40
+    return dr.minimum(u1, 1 - 2**-24), Float(Int32(b >> 8)) * 2**-24
 
 
 def compute(views, technique, samples, seed):
     lane = dr.arange(UInt32, len(views) * LANES)
     columns = [Float(np.repeat(np.array(column, np.float32), LANES)) for column in zip(*views, strict=True)]
     v = type(views[0])(*columns)
-    seed, count = dr.opaque(UInt32, seed), dr.opaque(UInt32, samples // LANES)
+    seed, count = dr.opaque(UInt32, seed), dr.opaque(UInt32, samples // (2 * LANES))
 
     def body(i, s1, s2, s3, s4, largest):
-        w = weight(v, technique, *pair(i, lane, seed))
-        e = w - 1
-        return i + 1, s1 + e, s2 + e * e, s3 + e * e * e, s4 + (e * e) * (e * e), dr.maximum(largest, w)
+        for u in two_samples(i, lane, seed):
+            w = weight(v, technique, *u)
+            e = w - 1
+            s1, s2, s3, s4 = s1 + e, s2 + e * e, s3 + e * e * e, s4 + (e * e) * (e * e)
+            largest = dr.maximum(largest, w)
+        return i + 1, s1, s2, s3, s4, largest
 
     start = (UInt32(0), *(dr.zeros(Float, len(lane)) for _ in range(5)))
     _, *sums = dr.while_loop(start, lambda i, *_: i < count, body)

@@ -41,9 +41,11 @@ static View view_of(double theta, float r, Technique technique) {
     return v;
 }
 
-static inline float uniform_number(uint32_t high, uint32_t low) {
-    float u = float(int32_t(high >> 8)) * 5.9604645e-8f + float(int32_t(low >> 8)) * 3.5527137e-15f;
-    return u < 0.99999994f ? u : 0.99999994f;
+// u1 of 40 bits and u2 of 24 from two words, as samplerscope forms them.
+static inline void unit_square(uint32_t a, uint32_t b, float& u1, float& u2) {
+    float u = float(int32_t(a >> 8)) * 5.9604645e-8f + float(int32_t((a & 255) << 8 | (b & 255))) * 9.094947e-13f;
+    u1 = u < 0.99999994f ? u : 0.99999994f;
+    u2 = float(int32_t(b >> 8)) * 5.9604645e-8f;
 }
 
 // cos and sin of 2 pi u by one pair of polynomials (Cephes): GCC joins sinf and cosf of one argument into a call that it
@@ -119,16 +121,20 @@ template <Technique T>
 static void block(const View& v, float r, uint32_t index, uint32_t angle, uint32_t seed, int count, Sums& sums) {
     float s1 = 0, s2 = 0, s3 = 0, s4 = 0, largest = 0;
 #pragma omp simd reduction(+ : s1, s2, s3, s4) reduction(max : largest)
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count / 2; i++) {  // two samples from one hash; the count is even
         uint32_t a = uint32_t(i) * 1664525u + 1013904223u, b = index * 1664525u + 1013904223u;
         uint32_t c = angle * 1664525u + 1013904223u, d = seed * 1664525u + 1013904223u;
         a += b * d, b += c * a, c += a * b, d += b * c;
         a ^= a >> 16, b ^= b >> 16, c ^= c >> 16, d ^= d >> 16;
         a += b * d, b += c * a, c += a * b, d += b * c;
-        float w = weight<T>(v, r, uniform_number(a, b), float(int32_t(c >> 8)) * 5.9604645e-8f);
-        float e = w - 1.f;
-        s1 += e, s2 += e * e, s3 += e * e * e, s4 += (e * e) * (e * e);
-        largest = w > largest ? w : largest;
+        float u1, u2, v1, v2;
+        unit_square(a, b, u1, u2);
+        unit_square(c, d, v1, v2);
+        float w = weight<T>(v, r, u1, u2), x = weight<T>(v, r, v1, v2);
+        float e = w - 1.f, f = x - 1.f;
+        s1 += e + f, s2 += e * e + f * f, s3 += e * e * e + f * f * f, s4 += (e * e) * (e * e) + (f * f) * (f * f);
+        float larger = w > x ? w : x;
+        largest = larger > largest ? larger : largest;
     }
     sums.s1 += s1, sums.s2 += s2, sums.s3 += s3, sums.s4 += s4;
     sums.largest = largest > sums.largest ? largest : sums.largest;
