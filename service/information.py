@@ -46,4 +46,6 @@ def _entry(entry: Entry) -> dict[str, Any]:
         "source": head.source,
         "parameters": {name: parameter.model_dump() for name, parameter in head.parameters.items()},
         "singular": head.singular,
+        "black": head.black,
+        "left_out": head.left_out,
     }

@@ -137,6 +137,8 @@ class CatalogueEntry(BaseModel):
     source: str
     parameters: dict[str, Parameter]
     singular: list[str]
+    black: dict[str, float]
+    left_out: dict[str, dict[str, float]]
 
 
 class CatalogueResult(BaseModel):

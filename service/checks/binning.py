@@ -140,7 +140,7 @@ def chi_square(observed: Array, expected: Array, uncertainty: Array) -> ChiSquar
     as there are bins (the covariance of hits over expectations has no eigenvalue above 1), with one less for all bins.
     """
     expected = np.maximum(expected, 0.0)
-    certain = uncertainty <= CERTAIN * np.sqrt(np.maximum(expected, 1.0))
+    certain = is_certain(expected, uncertainty)
     left_out = 1.0 - float(observed[certain].sum()) / max(float(observed.sum()), 1.0)
     e, o, s = _pooled(expected[certain], observed[certain], uncertainty[certain])
     freedom = len(e) - int(certain.all())
@@ -148,6 +148,11 @@ def chi_square(observed: Array, expected: Array, uncertainty: Array) -> ChiSquar
         return ChiSquare(0.0, 0, 1.0, left_out)
     statistic = float(np.sum(np.maximum(np.abs(o - e) - s, 0.0) ** 2 / np.maximum(e, 1e-300)))
     return ChiSquare(statistic, freedom, upper_tail(statistic, freedom), left_out)
+
+
+def is_certain(expected: Array, uncertainty: Array) -> Array:
+    """Which bins take part, (bins,)."""
+    return np.asarray(uncertainty <= CERTAIN * np.sqrt(np.maximum(expected, 1.0)))
 
 
 def _pooled(expected: Array, *others: Array) -> list[Array]:

@@ -94,12 +94,10 @@ def check_energy(probe: Probe, effort: Effort, rng: np.random.Generator) -> Outc
     for _ in range(effort.energy_rounds):
         theta, parameters, surely = _nearby(probe, theta, parameters, surely, effort, rng)
     power = (
-        f"{len(values)} settings at {len(_VIEWS)} views, then {effort.energy_rounds} rounds of search "
-        f"around the largest; an"
-        f" albedo above {ENERGY_LIMIT:g} that covers more than a hundredth of the ranges"
+        f"{len(values)} settings at {len(_VIEWS)} views, then {effort.energy_rounds} rounds of search around the "
+        f"largest; an albedo above {ENERGY_LIMIT:g} that covers more than a hundredth of the ranges"
     )
-    best = np.argsort(-surely)[:6]
-    theta, parameters = theta[best], parameters[best]
+    theta, parameters = (column[np.argsort(-surely)[:6]] for column in (theta, parameters))
     # A search for the largest value finds the largest error as well, so another rule has the last word.
     albedo, _, error = albedos(probe, theta, parameters, effort.energy_quadrature, 1e-7, order=6)
     top = int(np.argmax(albedo - error))

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from service.checks.binning import ChiSquare, Tree, boxes_of, chi_square, partition
+from service.checks.binning import ChiSquare, Tree, boxes_of, chi_square, is_certain, partition
 from service.checks.effort import FALSE_ALARM, Effort
 from service.checks.outcome import Outcome, failed, not_applicable, passed
 from service.checks.regions import Integrals, Known, coordinates, cut, integrate
@@ -181,31 +181,38 @@ def check_normalisation(probe: Probe, s: Sampled) -> Outcome:
     )
 
 
-def check_chi_square(probe: Probe, s: Sampled) -> Outcome:
-    """Directions fall where the density says."""
+def _chi_squares(s: Sampled) -> tuple[list[ChiSquare], list[Array]]:
+    """The test of every cell, and its bins' differences in standard deviations, 0 where a bin takes no part."""
     tests, residuals = [], []
     for i, tree in enumerate(s.trees):
-        n = len(s.counted[i])
-        expected = n * s.integrals.by_bin[0, i, : len(tree.boxes)]
+        n, size = len(s.counted[i]), len(tree.boxes)
+        expected = n * s.integrals.by_bin[0, i, :size]
         observed = tree.hits
         dead = n - int(s.counted[i].sum())
         rest = n - float(expected.sum())
-        unsure = 2 * n * s.integrals.error_by_bin[0, i, : len(tree.boxes)]
+        unsure = 2 * n * s.integrals.error_by_bin[0, i, :size]
         if dead or rest > EXPECTED_REST * n:
             observed, expected = np.append(observed, dead), np.append(expected, max(rest, 0.0))
             unsure = np.append(unsure, unsure.sum())
         tests.append(chi_square(observed, expected, unsure))
-        size = len(tree.boxes)
-        residuals.append(((observed - expected) / np.sqrt(np.maximum(expected, 1.0)))[:size])
+        difference = (observed - expected) / np.sqrt(np.maximum(expected, 1.0))
+        residuals.append(np.where(is_certain(expected, unsure), difference, 0.0)[:size])
+    return tests, residuals
+
+
+def check_chi_square(probe: Probe, s: Sampled) -> Outcome:
+    """Directions fall where the density says."""
+    tests, residuals = _chi_squares(s)
+    if not any(t.freedom for t in tests):
+        return not_applicable("chi-square", "at every setting the density is too sharp to be integrated")
     rate = FALSE_ALARM / len(tests)
     probability = np.array([t.probability for t in tests])
     freedom = float(np.median([t.freedom for t in tests]))
     n = len(s.counted[0])
     power = (
-        f"{len(tests)} settings and views, {n:,} directions each in {int(freedom) + 1} bins; finds a "
-        f"density whose averages over bins are off by "
-        f"{math.sqrt((8.5 * math.sqrt(2 * freedom) + 10) / n):.1%} (root mean square), at a false-alarm "
-        f"rate of {FALSE_ALARM:g}"
+        f"{len(tests)} settings and views, {n:,} directions each in {int(freedom) + 1} bins; finds a density whose "
+        f"averages over bins are off by {math.sqrt((8.5 * math.sqrt(2 * freedom) + 10) / n):.1%} (root mean square), "
+        f"at a false-alarm rate of {FALSE_ALARM:g}"
     )
     left_out = max(t.left_out for t in tests)
     if left_out:
@@ -231,9 +238,8 @@ def check_chi_square(probe: Probe, s: Sampled) -> Outcome:
     bins = {"boxes": s.trees[worst].boxes, "residual": residuals[worst]}
     return failed(
         "chi-square",
-        f"directions do not fall as the density says, in {int((probability < rate).sum())} of "
-        f"{len(tests)} settings and views "
-        f"(chi-square {t.statistic:.4g} at {t.freedom} degrees of freedom)",
+        f"directions do not fall as the density says, in {int((probability < rate).sum())} of {len(tests)} settings "
+        f"and views (chi-square {t.statistic:.4g} at {t.freedom} degrees of freedom)",
         power,
         _replay(probe, s, worst, _sample_in_leaf(s, worst, leaf)),
         **evidence,

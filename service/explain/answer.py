@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from lavapipe import Device
 from service.engine import Engine
-from service.explain.shaders import Group, Size, groups_of, shader_without, size_of, whole_shader
+from service.explain.shaders import Group, Shader, Size, groups_of, shader_without, size_of, whole_shader
 from service.explain.timing import LAUNCH_SAMPLES, ROUNDS, Spread, compile_time, sample_times, spread
 from service.left_out import report, structure_without
 from service.scene import Question
@@ -32,31 +32,51 @@ class _Times:
     without: NDArray[np.float64]
 
 
+@dataclass(frozen=True)
+class _Comparison:
+    """A group of series with its shaders: the full one, the variant, and the full one without each feature.
+
+    Where the answer is known without a sample there is the full one alone.
+    """
+
+    group: Group
+    shaders: list[Shader]
+    sizes: list[Size]
+
+
 def compute_explanation(
-    question: Question, engine: Engine, progress: Progress = lambda *_: None, *, rounds: int = ROUNDS
+    question: Question,
+    engine: Engine,
+    progress: Progress = lambda *_: None,
+    *,
+    rounds: int = ROUNDS,
+    compiled: Callable[[], None] = lambda: None,
 ) -> dict[str, Any]:
     """Answer a question: the result of kind `explain`, plain data for JSON.
 
     Series that have the same variant are measured once, at the parameters of the first, on a device of its own that
-    compiles everything anew. Every group of shaders runs interleaved, `rounds` times. Raises as
+    compiles everything anew. Every group of shaders runs interleaved, `rounds` times. `compiled` is called when no file
+    is read and no program started any more, before the first shader runs. Raises as
     `service.statistics.compute_statistics` does.
     """
     begin = time.perf_counter()
     groups = groups_of(question)
+    comparisons = [_comparison(engine, question, group) for group in groups]
     info = engine.device.info
-    total = sum((len(group.features) + 2) * rounds for group in groups) * LAUNCH_SAMPLES
+    total = sum(len(comparison.shaders) for comparison in comparisons) * rounds * LAUNCH_SAMPLES
     done = 0
     with Device.open(None if info.is_lavapipe else info.name, shader_cache=False) as device:
+        compiled()
         shaders = []
-        for group in groups:
+        for comparison in comparisons:
 
-            def advance(samples: int, name: str = group.plan.technique.name) -> None:
+            def advance(samples: int, name: str = comparison.group.plan.technique.name) -> None:
                 nonlocal done
                 done += samples
                 progress(name, min(done, total), total)
 
             advance(0)
-            shaders.append(_explained(engine, device, question, group, rounds, advance))
+            shaders.append(_explained(device, comparison, rounds, advance))
     return {
         "kind": "explain",
         "scene": question.scene.model_dump(mode="json"),
@@ -80,18 +100,20 @@ def compute_explanation(
     }
 
 
-def _explained(
-    engine: Engine, device: Device, question: Question, group: Group, rounds: int, advance: Callable[[int], None]
-) -> dict[str, Any]:
+def _comparison(engine: Engine, question: Question, group: Group) -> _Comparison:
+    shaders = [whole_shader(engine, question, group.plan)]
+    if structure_without(group.features).drawn:
+        shaders.append(shader_without(engine, question, group.plan, group.features))
+        shaders += [shader_without(engine, question, group.plan, [feature]) for feature in group.features]
+    return _Comparison(group, shaders, [size_of(engine, shader) for shader in shaders])
+
+
+def _explained(device: Device, comparison: _Comparison, rounds: int, advance: Callable[[int], None]) -> dict[str, Any]:
     """One variant beside the shader that keeps everything, and what each feature alone saves of that."""
-    drawn = structure_without(group.features).drawn
-    full = whole_shader(engine, question, group.plan)
-    variant = shader_without(engine, question, group.plan, group.features) if drawn else None
-    without = [shader_without(engine, question, group.plan, [feature]) for feature in group.features] if drawn else []
-    measured = [shader for shader in (full, variant, *without) if shader is not None]
-    times = _times(sample_times(device, measured, rounds, advance), drawn)
-    sizes = [size_of(engine, shader) for shader in measured]
-    compile_ms = [compile_time(device, shader) for shader in measured[:2]]
+    group, sizes = comparison.group, comparison.sizes
+    drawn = len(comparison.shaders) > 1
+    times = _times(sample_times(device, comparison.shaders, rounds, advance), drawn)
+    compile_ms = [compile_time(device, shader) for shader in comparison.shaders[:2]]
     return {
         "model": group.plan.model.name,
         "technique": group.plan.technique.name,

@@ -15,7 +15,7 @@ from service.checks.replaying import replay_inputs
 from service.checks.selection import Subject, select
 from service.engine import Engine
 from service.explain import compute_explanation, parse_explain_scene
-from service.scene import parse_scene, resolve
+from service.scene import Question, parse_scene, resolve
 from service.stability import compute_stability
 from service.statistics import compute_statistics
 
@@ -69,12 +69,14 @@ def stability(arguments: Arguments, progress: Progress, seal: Seal = stay_open) 
 
 
 def explain(arguments: Arguments, progress: Progress, seal: Seal = stay_open) -> dict[str, Any]:
-    """What the shaders of a scene leave out, whose model or technique is a user's file.
-
-    It is not sealed: compiling anew, on a device of its own, is part of what it measures.
-    """
+    """What the shaders of a scene leave out, whose model or technique is a user's file."""
     parse_explain_scene(arguments["scene"])
-    return _of_scene(compute_explanation, arguments, progress, stay_open)
+
+    def compute(question: Question, engine: Engine, progress: Progress) -> dict[str, Any]:
+        pairs = [(plan.model, plan.technique) for plan in question.series]
+        return compute_explanation(question, engine, progress, compiled=lambda: seal(engine, pairs))
+
+    return _of_scene(compute, arguments, progress, stay_open)
 
 
 def _of_scene(

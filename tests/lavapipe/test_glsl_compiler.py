@@ -1,5 +1,6 @@
 """Composing and compiling GLSL: every message leads to the caller's own file and line."""
 
+import os
 import time
 
 import pytest
@@ -98,9 +99,9 @@ def test_include_cycle_is_an_error() -> None:
 
 def test_include_bomb_is_an_error() -> None:
     include = {f"f{i}": f'#include "f{i + 1}"\n' * 8 for i in range(20)} | {"f20": "int a;\n" * 100}
-    start = time.monotonic()
+    start = time.process_time()
     assert errors(HEAD + '#include "f0"\n' + MAIN, include=include)
-    assert time.monotonic() - start < 10
+    assert time.process_time() - start < 10
 
 
 def test_guarded_include_may_come_twice() -> None:
@@ -145,9 +146,10 @@ def test_no_source_reads_a_host_file(escape: str, version: str, tmp_path_factory
 
 def test_macro_bomb_is_an_error_within_limits() -> None:
     doubling = "#define A0 1.0+\n" + "".join(f"#define A{i + 1} A{i} A{i}\n" for i in range(40))
-    start = time.monotonic()
+    before = os.times()
     assert errors(HEAD + doubling + "void main() { float f = A40 1.0; }\n", timeout_s=2)
-    assert time.monotonic() - start < 6
+    after = os.times()
+    assert after.children_user + after.children_system - before.children_user - before.children_system < 6
 
 
 def test_deep_expression_is_an_error() -> None:

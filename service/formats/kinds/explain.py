@@ -63,9 +63,8 @@ def _shader(shader: Mapping[str, Any], series: int) -> list[str]:
             f"  {one['feature']:<{_NAME}}{saves['ns_per_sample']:>9.3f}{f'{low:.3f} to {high:.3f}':>18}"
             f"{saves['instructions']:>14,}  "
         )
-        lines += textwrap.wrap(
-            line + one["reason"], _WIDTH + 20, subsequent_indent=" " * len(line), drop_whitespace=False
-        )
+        first, *rest = textwrap.wrap(one["reason"], _WIDTH - len(line))
+        lines += [line + first, *(" " * len(line) + more for more in rest)]
     return [*lines, ""]
 
 

@@ -144,6 +144,9 @@ def test_the_documentation_names_every_setting_and_route(server):
     assert {name.upper() for name in Settings.model_fields} <= named
     for path in server.client.get("/openapi.json").json()["paths"]:
         assert f"`{path}`" in text
+    for name, default in re.findall(r"^\| `SAMPLERSCOPE_([A-Z_]+)` \| ([\d.]+|true|false) \|", text, re.MULTILINE):
+        value = Settings.model_fields[name.lower()].default
+        assert default in (str(value).lower(), f"{value:g}" if isinstance(value, float) else None), name
 
 
 @pytest.mark.parametrize("host", ["0.0.0.1", "999.1.1.1"])

@@ -4,10 +4,11 @@ import json
 import os
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from http_server import SMALL, Server, wait_until, without_run
+from http_server import PATIENCE_S, SMALL, Server, wait_until, without_run
 
 HEAD = '/*---\nprovides = ["technique"]\nname = "mine"\ntitle = "Mine"\nsource = "own"\n---*/\n'
 INCLUDE = '#include "common/hemisphere.glsl"\n'
@@ -25,8 +26,14 @@ SCENE = {"theta_o_deg": [0.0, 60.0], "estimator": {"samples": 20000, "seed": 1}}
 
 @pytest.fixture(scope="module")
 def open_server(tmp_path_factory, _own_cache):
-    """A server that takes shader text."""
-    running = Server(tmp_path_factory.mktemp("server"), own_glsl=True, api_key="k3y")
+    """A server that takes shader text, and has patience on a busy machine."""
+    running = Server(
+        tmp_path_factory.mktemp("server"),
+        own_glsl=True,
+        own_glsl_limit_s=200,
+        request_timeout_s=PATIENCE_S,
+        api_key="k3y",
+    )
     running.client.headers["x-api-key"] = "k3y"
     yield running
     assert running.stop() == 0
@@ -35,9 +42,10 @@ def open_server(tmp_path_factory, _own_cache):
 def descendants(pid):
     """Processes that a process has started, and those that these have."""
     found = []
-    for thread in Path(f"/proc/{pid}/task").iterdir():
-        for child in map(int, (thread / "children").read_text().split()):
-            found += [child, *descendants(child)]
+    with suppress(FileNotFoundError, ProcessLookupError):  # it, or a thread of it, has just ended
+        for thread in Path(f"/proc/{pid}/task").iterdir():
+            for child in map(int, (thread / "children").read_text().split()):
+                found += [child, *descendants(child)]
     return found
 
 

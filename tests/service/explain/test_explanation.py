@@ -104,7 +104,7 @@ def test_text_and_rows_name_every_feature(explained):
         assert entry["feature"] in text
         assert any(entry["feature"] in row for row in rows)
     assert "times as fast" in text
-    assert max(map(len, text.splitlines())) <= 140
+    assert max(map(len, text.splitlines())) <= 120
 
 
 def test_a_black_scene_has_a_variant_of_nothing(engine):

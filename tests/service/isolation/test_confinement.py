@@ -118,15 +118,16 @@ def test_root_is_given_up_for_good():
     assert found == [[65534] * 3, [65534] * 3, [], "EPERM", "1", "0" * 16]
 
 
-def test_memory_is_bounded():
+def test_memory_is_bounded_and_the_process_is_the_first_to_go_where_it_runs_out():
     found = run(
         """
         confinement.limit(1 << 30)
+        first = open("/proc/self/oom_score_adj").read().strip()
         try:
             bytearray(2 << 30)
-            print(json.dumps("allocated"))
+            print(json.dumps(["allocated", first]))
         except MemoryError:
-            print(json.dumps("refused"))
+            print(json.dumps(["refused", first]))
         """
     )
-    assert found == "refused"
+    assert found == ["refused", "1000"]
