@@ -36,11 +36,13 @@ class IncompleteRun(SamplerscopeError):
 
 @dataclass(frozen=True)
 class Cells:
-    """Views and parameters to draw for: wo (n, 3) and parameters (n, p) as float32, keys (n, 2) of random numbers."""
+    """Views and parameters to draw for: wo (n, 3) and parameters (n, p) as float32, or as float64 for a run in double
+    precision; keys (n, 2) of random numbers.
+    """
 
-    wo: NDArray[np.float32]
+    wo: NDArray[np.floating[Any]]
     keys: NDArray[np.uint32]
-    parameters: NDArray[np.float32]
+    parameters: NDArray[np.floating[Any]]
 
     def __len__(self) -> int:
         return len(self.wo)
