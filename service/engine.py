@@ -70,17 +70,19 @@ class Engine:
             )
         return self._pipelines[key]
 
-    def compile_all(self, pairs: Iterable[tuple[Entry, Entry]]) -> None:
+    def compile_all(self, pairs: Iterable[tuple[Entry, Entry]], truth: bool) -> None:
         """Have every job of these models and techniques ready as SPIR-V, so that no compiler is needed from here on.
+        With `truth` also what the float64 truth of a user's own file needs.
 
         A job that does not compile raises CompileError when its pipeline is asked for.
         """
         for model, technique in pairs:
             for job in get_args(Job):
-                for precision in get_args(Precision) if job in ("probe", "quadrature") else ("float",):
+                doubled = job == "probe" or (truth and job == "quadrature")
+                for precision in get_args(Precision) if doubled else ("float",):
                     with suppress(CompileError):
                         self._spirv(model, technique, job, precision)
-            for precision in get_args(Precision):
+            for precision in get_args(Precision) if truth else ():
                 with suppress(CompileError):
                     self._spirv(model, hemisphere(), "quadrature", precision)
 

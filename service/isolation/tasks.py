@@ -102,6 +102,9 @@ def _of_scene(
         return compute(question, engine, progress)
 
 
+WITH_TRUTH = frozenset({"statistics", "convergence"})
+"""Tasks whose answers are set beside a float64 truth."""
+
 TASKS: Mapping[str, Callable[[Arguments, Progress, Seal], dict[str, Any]]] = {
     "check": check,
     "replay": replay,
