@@ -8,6 +8,7 @@ widths apart: what was compiled for 256 bits would go on being used. So the wide
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from pathlib import Path
 
 _WIDTH = "LP_NATIVE_VECTOR_WIDTH"
@@ -22,7 +23,10 @@ def use_widest(cpu: Path = _CPU) -> None:
         return
     os.environ[_WIDTH] = "512"
     if folder := _cache_folder():
-        os.environ[_CACHE] = str(folder / "512-bit")
+        wide = folder / "512-bit"
+        with suppress(OSError):  # then the driver says that it goes without; by itself it makes one level, not two
+            wide.mkdir(parents=True, exist_ok=True)
+        os.environ[_CACHE] = str(wide)
 
 
 def _has_avx512(cpu: Path) -> bool:

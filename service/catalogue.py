@@ -180,6 +180,12 @@ def own_entry(text: str, origin: str) -> Entry:
 
 
 @cache
+def hemisphere() -> Entry:
+    """Directions as a technique that covers the hemisphere smoothly: its mean weight is a model's albedo."""
+    return read_entry((SHADERS / "hemisphere.glsl").read_text(encoding="utf-8"), "hemisphere.glsl")
+
+
+@cache
 def load_catalogue(folder: Path = SHADERS) -> Catalogue:
     """Read the shader folder. ShaderFileError names the file that breaks the contract."""
     entries = [

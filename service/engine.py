@@ -8,11 +8,11 @@ from types import TracebackType
 from typing import Literal, get_args
 
 from lavapipe import Cache, CompileError, Device, Pipeline, compile_glsl, default_cache
-from service.catalogue import Catalogue, Entry, load_catalogue
+from service.catalogue import Catalogue, Entry, hemisphere, load_catalogue
 from service.variant import Precision, compose, variant_name
 
 Job = Literal["statistics", "probe", "quadrature", "cost"]
-BUFFERS: Mapping[Job, int] = {"statistics": 4, "probe": 4, "quadrature": 6, "cost": 2}
+BUFFERS: Mapping[Job, int] = {"statistics": 4, "probe": 4, "quadrature": 7, "cost": 2}
 PUSH_CONSTANT_BYTES: Mapping[Job, int] = {"statistics": 16, "probe": 8, "quadrature": 4, "cost": 8}
 
 
@@ -70,16 +70,21 @@ class Engine:
             )
         return self._pipelines[key]
 
-    def compile_all(self, pairs: Iterable[tuple[Entry, Entry]]) -> None:
+    def compile_all(self, pairs: Iterable[tuple[Entry, Entry]], truth: bool) -> None:
         """Have every job of these models and techniques ready as SPIR-V, so that no compiler is needed from here on.
+        With `truth` also what the float64 truth of a user's own file needs.
 
         A job that does not compile raises CompileError when its pipeline is asked for.
         """
         for model, technique in pairs:
             for job in get_args(Job):
-                for precision in get_args(Precision) if job == "probe" else ("float",):
+                doubled = job == "probe" or (truth and job == "quadrature")
+                for precision in get_args(Precision) if doubled else ("float",):
                     with suppress(CompileError):
                         self._spirv(model, technique, job, precision)
+            for precision in get_args(Precision) if truth else ():
+                with suppress(CompileError):
+                    self._spirv(model, hemisphere(), "quadrature", precision)
 
     def _spirv(self, model: Entry, technique: Entry, job: Job, precision: Precision) -> bytes:
         key = (model, technique, job, precision)

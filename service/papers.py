@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from service.average_albedo import with_average_albedo
 from service.engine import Engine
 from service.errors import BadInput, Problem
 from service.scene import Scene, parse_scene, resolve
@@ -18,12 +19,13 @@ class PaperFigure:
     """A figure of a paper: its scene, and how it is drawn (a chart of `service.figures`).
 
     `convergence` is a chart of the scene's errors; `timings` is a table of the whole catalogue, without a chart;
-    `slices` are values of BRDFs.
+    `slices` are values of BRDFs. `average_over` is a swept parameter over which average albedos are shown as well.
     """
 
     title: str
     scene: Mapping[str, Any]
     chart: Literal["statistics", "roughness", "convergence", "timings", "albedo", "slices"]
+    average_over: str | None = None
 
 
 _SLOPES = [0.1, 0.2, 0.5, 1.0, 2.0]
@@ -65,7 +67,7 @@ FIGURES: Mapping[str, PaperFigure] = {
         chart="slices",
     ),
     "eon-6": PaperFigure(
-        title="Directional albedo of QON (EON paper, figure 6, left)",
+        title="Albedos of QON (EON paper, figure 6)",
         scene={
             "model": "qon",
             "parameters": {"sigma": [k * math.pi / 10 for k in range(6)]},
@@ -73,9 +75,10 @@ FIGURES: Mapping[str, PaperFigure] = {
             **_MEAN_ONLY,
         },
         chart="albedo",
+        average_over="sigma",
     ),
     "eon-7": PaperFigure(
-        title="Directional albedo of FON (EON paper, figure 7, left)",
+        title="Albedos of FON (EON paper, figure 7)",
         scene={
             "model": "fon",
             "parameters": {"roughness": [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]},
@@ -83,6 +86,7 @@ FIGURES: Mapping[str, PaperFigure] = {
             **_MEAN_ONLY,
         },
         chart="albedo",
+        average_over="roughness",
     ),
     "kurt-2": PaperFigure(
         title="Albedo of the physically plausible model, eq. 9, f0 = 1 (Kurt et al. 2010, figure 2)",
@@ -167,4 +171,5 @@ def compute_figure(figure: PaperFigure, scene: Scene, engine: Engine, progress: 
         from service.convergence import compute_convergence
 
         return compute_convergence(question, engine, progress)
-    return compute_statistics(question, engine, progress)
+    result = compute_statistics(question, engine, progress)
+    return result if figure.average_over is None else with_average_albedo(result, figure.average_over)

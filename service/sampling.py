@@ -23,7 +23,8 @@ from service.random_numbers import BLOCK_SAMPLES
 
 LANES = 64
 PILOT_SAMPLES = 4 * LANES
-LAUNCH_BLOCKS = 1024  # 17 M samples: 0.03 to 0.2 s, so that progress and cancelling are prompt
+LAUNCH_BLOCKS = 1024  # at most, 17 M samples: 0.02 to 0.2 s, so that progress and cancelling are prompt
+SHORT_LAUNCH_BLOCKS = 256  # of a run that has fewer than four long ones
 LAUNCHES_IN_FLIGHT = 2  # the host adds one launch while the device draws the next
 TIMEOUT_S = 600.0
 NO_INDEX = 0xFFFFFFFF
@@ -36,11 +37,13 @@ class IncompleteRun(SamplerscopeError):
 
 @dataclass(frozen=True)
 class Cells:
-    """Views and parameters to draw for: wo (n, 3) and parameters (n, p) as float32, keys (n, 2) of random numbers."""
+    """Views and parameters to draw for: wo (n, 3) and parameters (n, p) as float32, or as float64 for a run in double
+    precision; keys (n, 2) of random numbers.
+    """
 
-    wo: NDArray[np.float32]
+    wo: NDArray[np.floating[Any]]
     keys: NDArray[np.uint32]
-    parameters: NDArray[np.float32]
+    parameters: NDArray[np.floating[Any]]
 
     def __len__(self) -> int:
         return len(self.wo)
@@ -242,10 +245,12 @@ def cell_table(cells: Cells) -> NDArray[Any]:
 
 
 def _launches(cells: int, start: int, samples: int) -> Iterator[_Launch]:
+    """The launches of a run, at least four where it is not short: a function of the run, so that it can be resumed."""
     blocks = -(-samples // BLOCK_SAMPLES)
-    for first_cell in range(0, cells, LAUNCH_BLOCKS):
-        count = min(LAUNCH_BLOCKS, cells - first_cell)
-        step = LAUNCH_BLOCKS // count
+    most = min(LAUNCH_BLOCKS, max(SHORT_LAUNCH_BLOCKS, cells * (blocks - start) // 4))
+    for first_cell in range(0, cells, most):
+        count = min(most, cells - first_cell)
+        step = most // count
         for first_block in range(start, blocks, step):
             yield _Launch(first_cell, count, first_block, min(step, blocks - first_block))
 

@@ -23,7 +23,7 @@ from service.sampling import Cells, CellSums, Journal
 from service.scene import Question, Scene, SeriesPlan, radians
 from service.verdict import Evidence, finite_or_none, verdict
 
-REFERENCE_ANGLES = 64
+REFERENCE_ANGLES = 16
 """Cells whose reference is computed at a time: tenths of a second, so that an interruption is prompt."""
 
 Progress = Callable[[str, int, int], None]
@@ -125,7 +125,7 @@ def _reference(plan: SeriesPlan, scene: Scene, engine: Engine, pause: Callable[[
     for first in range(0, len(scene.angles_deg), REFERENCE_ANGLES):
         pause()
         angles = scene.angles_deg[first : first + REFERENCE_ANGLES]
-        found = plan_reference(plan, angles, engine.cache)
+        found = plan_reference(plan, angles, engine)
         if found is None:
             return None
         cells += found
@@ -175,21 +175,22 @@ def _moment_columns(
 ) -> dict[str, list[float | None]]:
     """Mean and variance with their standard errors; null where the moment behind a standard error is infinite.
 
-    A quadrature gives no variance where it is infinite, and bounds of its own error in place of standard errors.
+    A quadrature gives no variance where it is infinite, and bounds of its own error in place of standard errors. A
+    moment that the reference does not know counts as finite.
     """
     variance = np.array([cell.variance for cell in cells]) if cells else np.zeros(len(statistics.mean))
     fourth = np.array([cell.fourth_moment for cell in cells]) if cells else np.zeros(len(statistics.mean))
-    by_rule = np.isfinite(variance) & np.isnan(statistics.variance_stderr)
+    by_rule = ~np.isinf(variance) & np.isnan(statistics.variance_stderr)
     columns = {}
     if "mean" in scene.statistics:
         columns["mean"] = finite_or_none(statistics.mean)
         if scene.error_bars:
-            known = np.isfinite(variance) | (scene.estimator.method in (None, "quadrature"))
+            known = ~np.isinf(variance) | (scene.estimator.method in (None, "quadrature"))
             columns["mean_stderr"] = finite_or_none(np.where(known, statistics.mean_stderr, np.nan))
     if "variance" in scene.statistics:
         columns["variance"] = finite_or_none(statistics.variance)
         if scene.error_bars:
-            known = np.isfinite(fourth) & ~by_rule
+            known = ~np.isinf(fourth) & ~by_rule
             columns["variance_stderr"] = finite_or_none(np.where(known, statistics.variance_stderr, np.nan))
     return columns
 
@@ -199,7 +200,8 @@ def _reference_columns(
 ) -> dict[str, list[float | None]] | None:
     """The reference as columns, and the relative errors of the estimate against it.
 
-    `variance_stderr` is the standard error to expect of a variance from this many independent samples.
+    `variance_stderr` is the standard error to expect of a variance from this many independent samples; an uncertainty
+    is what the reference itself may be off by. A null without a finding that says why is not known.
     """
     if cells is None:
         return None
@@ -210,13 +212,10 @@ def _reference_columns(
         else math.inf
         for cell in cells
     ]
-    columns = {
-        "mean": finite_or_none(cell.mean for cell in cells),
-        "albedo": finite_or_none(cell.albedo for cell in cells),
-        "variance": finite_or_none(cell.variance for cell in cells),
-        "variance_stderr": finite_or_none(spread),
-        "max_weight": finite_or_none(cell.max_weight for cell in cells),
-    }
+    exact = ("mean", "albedo", "variance", "max_weight")
+    uncertain = ("mean_uncertainty", "albedo_uncertainty", "variance_uncertainty")
+    columns = {name: finite_or_none(getattr(cell, name) for cell in cells) for name in (*exact, *uncertain)}
+    columns["variance_stderr"] = finite_or_none(spread)
     if found.statistics is not None and "mean" in scene.statistics:
         columns["mean_error"] = _relative_errors(found.statistics.mean, [cell.mean for cell in cells])
     if found.statistics is not None and "variance" in scene.statistics:

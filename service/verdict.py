@@ -144,13 +144,18 @@ def _counted(e: Evidence) -> list[dict[str, Any] | None]:
 
 def _known(e: Evidence, reference: Sequence[CellReference]) -> list[dict[str, Any] | None]:
     """What the reference knows of the technique, whatever was sampled."""
-    variance, supremum, albedo, mean, uncovered, tail = (
+    variance, supremum, albedo, mean, uncovered, tail, unsure, mean_unsure = (
         np.array([getattr(cell, name) for cell in reference])
-        for name in ("variance", "max_weight", "albedo", "mean", "uncovered", "tail_strength")
+        for name in (
+            *("variance", "max_weight", "albedo", "mean", "uncovered", "tail_strength"),
+            *("albedo_uncertainty", "mean_uncertainty"),
+        )
     )
     infinite, unbounded = np.isinf(variance), np.isinf(supremum)
-    missing = uncovered > RELATIVE_BIAS * albedo
-    gain = albedo > ENERGY_LIMIT
+    missing = uncovered > RELATIVE_BIAS * albedo + unsure
+    gain = albedo - unsure > ENERGY_LIMIT
+    bias = mean - albedo
+    off = np.abs(bias) > RELATIVE_BIAS * albedo + unsure + mean_unsure
     return [
         _finding(
             "infinite-variance",
@@ -164,7 +169,8 @@ def _known(e: Evidence, reference: Sequence[CellReference]) -> list[dict[str, An
             "uncovered",
             missing,
             e.theta_o_deg,
-            f"the density is zero where the model is not; up to {np.max(uncovered / np.maximum(albedo, 1e-300)):.3g} "
+            "the density is zero where the model is not; up to "
+            f"{np.max((uncovered / np.maximum(albedo, 1e-300))[missing], initial=0.0):.3g} "
             "of the reflected light is never sampled",
             lost_albedo=finite_or_none(uncovered[missing]),
         ),
@@ -178,15 +184,16 @@ def _known(e: Evidence, reference: Sequence[CellReference]) -> list[dict[str, An
             "energy-gain",
             gain,
             e.theta_o_deg,
-            f"the model reflects up to {np.max(albedo):.6g} of the light it receives",
+            f"the model reflects up to {np.max(albedo[gain], initial=0.0):.6g} of the light it receives",
             albedo=finite_or_none(albedo[gain]),
         ),
         _finding(
             "biased",
-            np.abs(mean - albedo) > RELATIVE_BIAS * albedo,
+            off,
             e.theta_o_deg,
-            f"the mean weight differs from the directional albedo by up to {np.max(np.abs(mean - albedo)):.3g}",
-            bias=finite_or_none(mean - albedo),
+            "the mean weight differs from the directional albedo by up to "
+            f"{np.max(np.abs(bias[off]), initial=0.0):.3g}",
+            bias=finite_or_none(bias),
         ),
     ]
 
@@ -206,8 +213,9 @@ def _biased(e: Evidence, statistics: Statistics) -> list[dict[str, Any] | None]:
     """
     if e.reference is None:
         return []
-    variance, bound, mean = (
-        np.array([getattr(cell, name) for cell in e.reference]) for name in ("variance", "max_weight", "mean")
+    variance, bound, mean, unsure = (
+        np.array([getattr(cell, name) for cell in e.reference])
+        for name in ("variance", "max_weight", "mean", "mean_uncertainty")
     )
     usable = np.isfinite(variance) & np.isfinite(bound)
     if e.by_rule:
@@ -219,7 +227,7 @@ def _biased(e: Evidence, statistics: Statistics) -> list[dict[str, Any] | None]:
     rounding = 1e-6 * np.abs(mean)
     off = np.abs(statistics.mean - mean)
     with np.errstate(invalid="ignore"):
-        wrong = usable & (off > half_width + rounding)
+        wrong = usable & (off > half_width + rounding + unsure)
     return [
         _finding(
             "biased",
@@ -281,7 +289,7 @@ def _tails(e: Evidence, statistics: Statistics) -> list[dict[str, Any] | None]:
         kurtosis = np.where(np.isnan(known), kurtosis, known)
     finite = np.isfinite(kurtosis)
     if e.reference is not None:
-        finite &= np.isfinite([cell.variance for cell in e.reference])
+        finite &= ~np.isinf([cell.variance for cell in e.reference])
     needed = TAIL_SAMPLES * np.maximum(kurtosis - 1.0, 0.0)
     heavy = finite & (needed > e.samples)
     with np.errstate(invalid="ignore", divide="ignore"):

@@ -5,6 +5,12 @@ layout(local_size_x = 64) in;
 const uint NODES = 64u;
 const uint PANELS_PER_GROUP = 8u; // a group costs the driver as much as half a panel
 
+#ifdef DOUBLE_PRECISION
+const float LAST = 0.99999999999999988898; // 1 - 2^-53
+#else
+const float LAST = ONE_MINUS_EPSILON;
+#endif
+
 struct Cell {
     vec4 view; // wo
     uvec4 key;
@@ -23,6 +29,7 @@ layout(std430, set = 0, binding = 2) readonly buffer Panels { Panel panels[]; };
 layout(std430, set = 0, binding = 3) readonly buffer Nodes { vec2 nodes[]; };       // in [0, 1]^2
 layout(std430, set = 0, binding = 4) writeonly buffer Weights { float weights[]; }; // panel x node; NaN for a bad sample
 layout(std430, set = 0, binding = 5) writeonly buffer Splits { float splits[]; };   // one a cell
+layout(std430, set = 0, binding = 6) writeonly buffer Done { uint done[]; };        // 1 where every loop of a lane ran to its end
 
 layout(push_constant) uniform Launch { uint count; };
 
@@ -42,10 +49,11 @@ void main() {
         split = split > 0.0 && split < 1.0 ? split : 0.0;
         vec2 u = panel.corner.xy + panel.corner.zw * nodes[lane];
         u.x = panel.cell.y == 1u ? split + (1.0 - split) * u.x : split * u.x;
-        DirectionSample s = technique_sample_direction(wo, min(u, vec2(ONE_MINUS_EPSILON)));
+        DirectionSample s = technique_sample_direction(wo, min(u, vec2(LAST)));
         float weight = throughput_weight(s, wo);
         bool bad = is_nonfinite(weight + (s.pdf + (s.wi.x + s.wi.y + s.wi.z)));
         weights[i * NODES + lane] = bad ? uintBitsToFloat(0x7fc00000u) : weight;
         if (lane == 0u) splits[cell] = split;
     }
+    done[gl_GlobalInvocationID.x] = loops_ran(min(gl_NumWorkGroups.x + 1u, 2u)) ? 1u : 0u;
 }

@@ -47,8 +47,12 @@ class Tails:
 
 
 def search(probe: Probe, effort: Effort, rng: np.random.Generator) -> Tails:
+    """Follow the largest weights at the settings and views of the effort."""
+    return follow(probe, cells_of(probe, effort.tail_views, effort.tail_rows), effort, rng)
+
+
+def follow(probe: Probe, cells: Cells, effort: Effort, rng: np.random.Generator) -> Tails:
     """Follow the largest weights of every cell, all cells together."""
-    cells = cells_of(probe, effort.tail_views, effort.tail_rows)
     count, size = len(cells), effort.tail_particles
     wo, parameters = np.repeat(cells.wo, size, axis=0), np.repeat(cells.parameters, size, axis=0)
 

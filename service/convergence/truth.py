@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from service.catalogue import hemisphere
 from service.engine import Engine
 from service.estimators.quadrature import quadrature
 from service.reference_store import plan_reference
@@ -36,22 +37,23 @@ class Truth:
 
 
 def series_truth(plan: SeriesPlan, scene: Scene, engine: Engine) -> Truth:
-    """The float64 reference; for a pair that has none, the device's quadrature, whose `uniform` gives the albedo."""
+    """The float64 reference; where it is not known, the device's quadrature in float32."""
     angles = scene.angles_deg
-    cells = plan_reference(plan, angles, engine.cache)
+    cells = plan_reference(plan, angles, engine)
     if cells is None:
         return _by_quadrature(plan, scene, engine)
     albedo, mean, variance, fourth = (
         np.array([getattr(cell, name) for cell in cells]) for name in ("albedo", "mean", "variance", "fourth_moment")
     )
+    if np.isnan([albedo, mean, variance]).any():
+        return _by_quadrature(plan, scene, engine)
     with np.errstate(divide="ignore", invalid="ignore"):
         kurtosis = np.where(variance > 1e-20, fourth / variance**2, 1.0)
     return Truth(albedo, mean, variance, np.where(np.isfinite(fourth), kurtosis, np.inf))
 
 
 def _by_quadrature(plan: SeriesPlan, scene: Scene, engine: Engine) -> Truth:
-    uniform = replace(plan, technique=engine.catalogue.technique("uniform"))
-    albedo, _, _ = _moments(uniform, scene, engine)
+    albedo, _, _ = _moments(replace(plan, technique=hemisphere()), scene, engine)
     mean, variance, kurtosis = _moments(plan, scene, engine)
     return Truth(albedo, mean, variance, kurtosis)
 

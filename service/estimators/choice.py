@@ -51,7 +51,7 @@ def estimate(
     wanted = "variance" in scene.statistics
     finite = np.ones(len(cells), bool)
     if reference is not None:
-        finite = np.isfinite([cell.variance for cell in reference])
+        finite = ~np.isinf([cell.variance for cell in reference])
 
     def drawn(method: str) -> Draw:
         if method == "mc":

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from service.estimators.panels import (
     ABSCISSAE,
     GAUSS_WEIGHTS,
+    NARROWEST,
     NODES,
     POINTS,
     SIDE,
@@ -57,6 +58,7 @@ class Goal:
     least: float  # a variance below it is to be right absolutely
     variance: NDArray[np.bool_]
     nodes: int  # for each cell, at the most
+    narrowest: float = NARROWEST  # width of a panel, as a share of its place
 
     def targets(self, mean: Array, variance: Array) -> tuple[Array, Array]:
         """The errors of variance and mean that are good enough, shape (cells,) each."""
@@ -80,21 +82,28 @@ class Integrals:
     nodes: Integers  # evaluated, for each cell
     converged: NDArray[np.bool_]
     growing: NDArray[np.bool_]  # the variance still rose, by no smaller steps, when the budget ended
+    panels: Panels  # the last ones
+    highest: Array  # largest weight at the nodes of each of them
 
 
 @dataclass
 class _Sums:
     """Integrals over each panel, a column a panel, and the roughness of the integrands."""
 
-    rows: Array  # 4 powers, zero measure; errors of w and of its square along u1 and u2: shape (9, n)
+    rows: Array  # 4 powers, zero measure; errors of w and of its square along u1 and u2; largest w: shape (10, n)
 
     def joined(self, other: _Sums) -> _Sums:
         return _Sums(np.concatenate([self.rows, other.rows], axis=1))
 
 
-def integrate(cells: int, split: bool, goal: Goal, evaluate: Callable[[Panels], Values]) -> Integrals:
-    """Integrate the first four powers of (weight - shift) for every cell; `evaluate` gives weights at nodes."""
-    fresh = first_panels(cells, split)
+def integrate(
+    cells: int, split: bool, goal: Goal, evaluate: Callable[[Panels], Values], first: Panels | None = None
+) -> Integrals:
+    """Integrate the first four powers of (weight - shift) for every cell; `evaluate` gives weights at nodes.
+
+    `first` are panels to begin with that cover the square of every cell, in place of the usual ones.
+    """
+    fresh = first_panels(cells, split) if first is None else first
     values = evaluate(fresh)
     seen = _Seen(cells)
     weights = seen.add(fresh, values.weights)
@@ -112,7 +121,7 @@ def integrate(cells: int, split: bool, goal: Goal, evaluate: Callable[[Panels], 
         if np.all(done | spent):
             break
         cut = _worst(panels, error, target, mean_target) & ~(done | spent)[panels.cell]
-        cut &= divisible(panels)
+        cut &= divisible(panels, goal.narrowest)
         active.append(np.bincount(panels.cell[cut], minlength=cells) > 0)
         if not cut.any():
             break
@@ -134,6 +143,8 @@ def integrate(cells: int, split: bool, goal: Goal, evaluate: Callable[[Panels], 
         nodes=seen.nodes,
         converged=done,
         growing=~done & _growing(history, active),
+        panels=panels,
+        highest=sums.rows[9],
     )
 
 
@@ -153,7 +164,7 @@ def _panel_sums(panels: Panels, splits: Array, weights: Array, shift: Array) -> 
     rows = [_integral(power) for power in (deviation, square, deviation * square, square * square)]
     rows.append(_integral((weights == 0.0).astype(np.float64)))
     rows += [*_roughness(deviation), *_roughness(square)]
-    return _Sums(np.stack(rows) * area)
+    return _Sums(np.concatenate([np.stack(rows) * area, weights.max(axis=1)[None]]))
 
 
 def _roughness(values: Array) -> tuple[Array, Array]:

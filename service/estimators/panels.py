@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ NODES = SIDE * SIDE
 GRADING = 16.0  # neighbouring ends of u1 panels differ by this factor
 GRADED_PANELS = 4
 NARROWEST = 2.0**-20  # of its place: float32 would not tell the nodes of a narrower panel apart
+NARROWEST_DOUBLE = 2.0**-46  # the same for double precision
 SMALLEST = 2.0**-100  # at 0, where float32 is fine, panels may be this small
 
 ABSCISSAE, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(SIDE)
@@ -35,8 +37,8 @@ class Panels:
     def __len__(self) -> int:
         return len(self.cell)
 
-    def pick(self, chosen: NDArray[np.bool_]) -> Panels:
-        """The chosen ones."""
+    def pick(self, chosen: NDArray[np.bool_] | NDArray[np.integer[Any]]) -> Panels:
+        """The chosen ones, or those of these numbers in their order."""
         return Panels(self.cell[chosen], self.part[chosen], self.corner[chosen])
 
     def joined(self, other: Panels) -> Panels:
@@ -67,10 +69,10 @@ def measure(panels: Panels, splits: Array) -> Array:
     return np.asarray(part * panels.corner[:, 2] * panels.corner[:, 3])
 
 
-def divisible(panels: Panels) -> NDArray[np.bool_]:
-    """Which panels float32 lets one cut."""
+def divisible(panels: Panels, narrowest: float) -> NDArray[np.bool_]:
+    """Which panels the arithmetic lets one cut: those wider than this share of their place."""
     low, width = panels.corner[:, :2], panels.corner[:, 2:]
-    return np.asarray(np.all(width > np.where(low > 0.0, NARROWEST * (low + width), SMALLEST), axis=1))
+    return np.asarray(np.all(width > np.where(low > 0.0, narrowest * (low + width), SMALLEST), axis=1))
 
 
 def children(panels: Panels, along_1: NDArray[np.bool_], along_2: NDArray[np.bool_]) -> Panels:

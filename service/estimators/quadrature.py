@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import struct
 import time
+from collections.abc import Mapping
+from dataclasses import dataclass
 from types import TracebackType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +18,10 @@ from service.estimators.cubature import Goal, Integrals, Values, integrate
 from service.estimators.estimate import Estimate
 from service.estimators.panels import NODES, POINTS, SIDE, Array, Panels
 from service.moments import Statistics
-from service.sampling import CELL, TIMEOUT_S, Cells, cell_table
+from service.sampling import CELL, TIMEOUT_S, Cells, IncompleteRun
 from service.scene import Estimator, SeriesPlan
 from service.structure import Structure
+from service.variant import Precision
 
 DEFAULT_TOLERANCE = 1e-4
 LEAST_VARIANCE = 1e-9
@@ -28,7 +32,27 @@ Bools = NDArray[np.bool_]
 _PANELS_PER_GROUP = 8  # the same constant stands in shaders/quadrature.comp
 _CHUNK = 16384  # panels in a dispatch: a million nodes
 _ALL = Structure()
-_PANEL = np.dtype([("cell", "<u4", 4), ("corner", "<f4", 4)])
+
+
+@dataclass(frozen=True)
+class _Layout:
+    """How the shader's buffers look in a precision: a real number, a panel (the cell's number and its part, then the
+    corner), and a cell.
+    """
+
+    real: np.dtype[Any]
+    panel: np.dtype[Any]
+    cell: np.dtype[Any]
+
+
+_LAYOUTS: Mapping[Precision, _Layout] = {
+    "float": _Layout(np.dtype("<f4"), np.dtype([("cell", "<u4", 4), ("corner", "<f4", 4)]), CELL),
+    "double": _Layout(
+        np.dtype("<f8"),
+        np.dtype({"names": ["cell", "corner"], "formats": ["4<u4", "4<f8"], "offsets": [0, 32], "itemsize": 64}),
+        np.dtype({"names": ["wo"], "formats": ["3<f8"], "itemsize": 64}),
+    ),
+}
 
 
 def quadrature(
@@ -50,7 +74,7 @@ def quadrature(
     pipeline = engine.pipeline(plan.model, plan.technique, "quadrature", constants)
     tolerance = estimator.tolerance or DEFAULT_TOLERANCE
     goal = Goal(tolerance, LEAST_VARIANCE, finite & wanted, max(MOST_NODES, estimator.samples // 8))
-    with _Evaluator(engine.device, pipeline, cells) as evaluate:
+    with Evaluator(engine.device, pipeline, cells) as evaluate:
         built_ms = 1e3 * (time.perf_counter() - begin)
         found = integrate(len(cells), "u1_split" in plan.technique.declared, goal, evaluate)
         bad = [_bad_input(found, evaluate.splits, at) for at in range(len(cells))]
@@ -95,25 +119,31 @@ def _bad_input(found: Integrals, splits: Array, at: int) -> tuple[int, NDArray[n
     return 0, np.array([u1, u2], np.float32)
 
 
-class _Evaluator:
-    """Weights at the nodes of panels, computed on the device; a context manager that frees its buffers."""
+class Evaluator:
+    """Weights at the nodes of panels, computed on the device; a context manager that frees its buffers.
 
-    def __init__(self, device: Device, pipeline: Pipeline, cells: Cells) -> None:
+    The pipeline is that of the job `quadrature`, built in the same precision; in double the cells have float64 arrays.
+    Raises IncompleteRun where a loop of the shader was ended at the limit, and what the device raises.
+    """
+
+    def __init__(self, device: Device, pipeline: Pipeline, cells: Cells, precision: Precision = "float") -> None:
+        layout = _LAYOUTS[precision]
         self._device, self._pipeline = device, pipeline
         self.device_ns = 0
         self.splits = np.zeros(len(cells))
-        self._cells = device.buffer((len(cells),), CELL)
-        self._cells.array[:] = cell_table(cells)
-        self._parameters = device.buffer((max(1, cells.parameters.size),), np.float32)
+        self._cells = device.buffer((len(cells),), layout.cell)
+        self._cells.array["wo"] = cells.wo
+        self._parameters = device.buffer((max(1, cells.parameters.size),), layout.real)
         self._parameters.array[: cells.parameters.size] = cells.parameters.ravel()
-        self._panels = device.buffer((_CHUNK,), _PANEL)
-        self._nodes = device.buffer((NODES, 2), np.float32)
+        self._panels = device.buffer((_CHUNK,), layout.panel)
+        self._nodes = device.buffer((NODES, 2), layout.real)
         self._nodes.array[:] = np.stack([np.repeat(POINTS, SIDE), np.tile(POINTS, SIDE)], axis=1)
-        self._weights = device.buffer((_CHUNK, NODES), np.float32)
-        self._splits = device.buffer((len(cells),), np.float32)
+        self._weights = device.buffer((_CHUNK, NODES), layout.real)
+        self._splits = device.buffer((len(cells),), layout.real)
+        self._done = device.buffer((_CHUNK // _PANELS_PER_GROUP, NODES), np.uint32)
         self._warm_up()
 
-    def __enter__(self) -> _Evaluator:
+    def __enter__(self) -> Evaluator:
         return self
 
     def __exit__(
@@ -123,6 +153,7 @@ class _Evaluator:
             buffer.close()
 
     def __call__(self, panels: Panels) -> Values:
+        """The weights at the nodes, NaN for a bad sample."""
         out = np.empty((len(panels), NODES))
         for first in range(0, len(panels), _CHUNK):
             part = slice(first, min(first + _CHUNK, len(panels)))
@@ -143,8 +174,11 @@ class _Evaluator:
     def _run(self, count: int) -> int:
         groups = (-(-count // _PANELS_PER_GROUP), 1, 1)
         constants = struct.pack("<I", count)
-        return self._device.run(self._pipeline, self._buffers, groups, constants, timeout_s=TIMEOUT_S).total_ns
+        spent = self._device.run(self._pipeline, self._buffers, groups, constants, timeout_s=TIMEOUT_S).total_ns
+        if not self._done.array[: groups[0]].all():
+            raise IncompleteRun("a loop of the shader ran to the limit of 65,535 iterations of one invocation")
+        return spent
 
     @property
     def _buffers(self) -> list[Buffer]:
-        return [self._cells, self._parameters, self._panels, self._nodes, self._weights, self._splits]
+        return [self._cells, self._parameters, self._panels, self._nodes, self._weights, self._splits, self._done]

@@ -11,14 +11,17 @@ from service.figures import scales, style
 from service.figures.layout import AnyChart, Sheet
 
 _POINTS = 16  # sampled values of a curve that are drawn
+_KEY = "Lines: float64 reference; points: sampled mean weight"
+_AVERAGE_KEY = ", and its integral over views"
 _HIGHEST = 1.6  # where the axis ends at the latest: some albedos have no limit at grazing
 
 
 def albedo_chart(result: Mapping[str, Any], title: str | None = None) -> AnyChart:
     """Return a panel for each value of the last swept parameter, with a colour for each of the first.
 
-    Lines are the float64 reference, points the sampled mean weight. Parameters with equal values (mx and my of an
-    isotropic sweep) count as one. Raises ValueError where the result has no mean weight.
+    Lines are the float64 reference, points the sampled mean weight. A result with the block `average_albedo` has a
+    panel of it as well. Parameters with equal values (mx and my of an isotropic sweep) count as one. Raises ValueError
+    where the result has no mean weight.
     """
     sheet = Sheet.of(result)
     if not sheet.has("mean"):
@@ -45,11 +48,31 @@ def albedo_chart(result: Mapping[str, Any], title: str | None = None) -> AnyChar
         layers = alt.layer(one.encode(y="one:Q"), line, dots)
         size = {"width": 1.25 * style.PANEL_WIDTH, "height": 1.25 * style.PANEL_HEIGHT}
         charts.append(layers.properties(**size, **({"title": style.part_title(name)} if name else {})))
+    if "average_albedo" in result:
+        charts.append(_average(result["average_albedo"]))
     pairs = [alt.hconcat(*charts[k : k + 2]) for k in range(0, len(charts), 2)]
     heading = sheet.heading(title)
-    heading.subtitle = [heading.subtitle[0], "Lines: float64 reference; points: sampled mean weight"]
+    heading.subtitle = [heading.subtitle[0], _KEY + (_AVERAGE_KEY if "average_albedo" in result else "")]
     chart: AnyChart = alt.vconcat(*pairs).properties(title=heading, config=style.config())
     return chart
+
+
+def _average(block: Mapping[str, Any]) -> alt.LayerChart:
+    """Return the panel of the average albedo over the swept parameter: closed form as a line, integrals as points."""
+    layers = [
+        alt.Chart(alt.InlineData(values=[{"one": 1.0}])).mark_rule(color=style.GREY, strokeWidth=0.8).encode(y="one:Q")
+    ]
+    for name in ("closed_form", "integrated"):
+        part = block[name]
+        rows = [{"at": at, "average": y} for at, y in zip(part["value"], part["average"], strict=True)]
+        chart = alt.Chart(alt.InlineData(values=rows))
+        marked = chart.mark_line(strokeWidth=1.5) if name == "closed_form" else chart.mark_point(size=24, filled=True)
+        x = alt.X("at:Q", title=block["parameter"], scale=alt.Scale(nice=False))
+        y = alt.Y("average:Q", title="average albedo", scale=alt.Scale(domain=[0.0, 1.1], nice=False))
+        layers.append(marked.encode(x=x, y=y, color=alt.value(style.GREY)))
+    size = {"width": 1.25 * style.PANEL_WIDTH, "height": 1.25 * style.PANEL_HEIGHT}
+    whole: alt.LayerChart = alt.LayerChart(layer=layers).properties(**size)
+    return whole
 
 
 def _rows(sheet: Sheet) -> list[dict[str, Any]]:

@@ -21,7 +21,12 @@ STATISTICS = (
 )
 """The columns of a series, in the order they are written."""
 
-REFERENCE = ("mean", "mean_error", "albedo", "variance", "variance_error", "variance_stderr", "max_weight")
+REFERENCE = (
+    *("mean", "mean_uncertainty", "mean_error"),
+    *("albedo", "albedo_uncertainty"),
+    *("variance", "variance_uncertainty", "variance_error", "variance_stderr"),
+    "max_weight",
+)
 """The columns of a series' reference, in the order they are written."""
 
 

@@ -13,14 +13,16 @@ from service.catalogue import Entry, load_catalogue
 from service.checks.battery import Battery, run_battery
 from service.checks.replaying import replay_inputs
 from service.checks.selection import Subject, select
+from service.convergence import compute_convergence, parse_convergence_scene
 from service.engine import Engine
 from service.explain import compute_explanation, parse_explain_scene
-from service.scene import Question, parse_scene, resolve
+from service.scene import Question, Scene, parse_scene, resolve
 from service.stability import compute_stability
 from service.statistics import compute_statistics
 
 Arguments = Mapping[str, Any]
 Progress = Callable[[str, int, int], None]
+Parse = Callable[[Mapping[str, Any]], Scene]
 Pairs = Sequence[tuple[Entry, Entry]]
 Seal = Callable[[Engine, Pairs], None]
 
@@ -60,27 +62,31 @@ def _subject(arguments: Arguments) -> Subject:
 
 def statistics(arguments: Arguments, progress: Progress, seal: Seal = stay_open) -> dict[str, Any]:
     """Statistics of a scene whose model or technique is a user's file."""
-    return _of_scene(compute_statistics, arguments, progress, seal)
+    return _of_scene(compute_statistics, parse_scene, arguments, progress, seal)
 
 
 def stability(arguments: Arguments, progress: Progress, seal: Seal = stay_open) -> dict[str, Any]:
     """Stability of a scene whose model or technique may be a user's file."""
-    return _of_scene(compute_stability, arguments, progress, seal)
+    return _of_scene(compute_stability, parse_scene, arguments, progress, seal)
+
+
+def convergence(arguments: Arguments, progress: Progress, seal: Seal = stay_open) -> dict[str, Any]:
+    """Error against run time of a scene whose model or technique is a user's file."""
+    return _of_scene(compute_convergence, parse_convergence_scene, arguments, progress, seal)
 
 
 def explain(arguments: Arguments, progress: Progress, seal: Seal = stay_open) -> dict[str, Any]:
     """What the shaders of a scene leave out, whose model or technique is a user's file."""
-    parse_explain_scene(arguments["scene"])
 
     def compute(question: Question, engine: Engine, progress: Progress) -> dict[str, Any]:
         pairs = [(plan.model, plan.technique) for plan in question.series]
         return compute_explanation(question, engine, progress, compiled=lambda: seal(engine, pairs))
 
-    return _of_scene(compute, arguments, progress, stay_open)
+    return _of_scene(compute, parse_explain_scene, arguments, progress, stay_open)
 
 
 def _of_scene(
-    compute: Callable[..., dict[str, Any]], arguments: Arguments, progress: Progress, seal: Seal
+    compute: Callable[..., dict[str, Any]], parse: Parse, arguments: Arguments, progress: Progress, seal: Seal
 ) -> dict[str, Any]:
     catalogue, scene = load_catalogue(), arguments["scene"]
     if arguments["file"] is not None:
@@ -89,17 +95,21 @@ def _of_scene(
         techniques = scene.get("techniques") or [technique.name for technique in subject.techniques]
         scene = {**scene, "model": subject.model.name, "techniques": techniques}
         catalogue = subject.catalogue
-    question = resolve(parse_scene(scene), catalogue)
+    question = resolve(parse(scene), catalogue)
     progress("compiling", 0, 1)
     with Engine.open(catalogue, device=arguments["device"]) as engine:
         seal(engine, [(plan.model, plan.technique) for plan in question.series])
         return compute(question, engine, progress)
 
 
+WITH_TRUTH = frozenset({"statistics", "convergence"})
+"""Tasks whose answers are set beside a float64 truth."""
+
 TASKS: Mapping[str, Callable[[Arguments, Progress, Seal], dict[str, Any]]] = {
     "check": check,
     "replay": replay,
     "statistics": statistics,
     "stability": stability,
+    "convergence": convergence,
     "explain": explain,
 }

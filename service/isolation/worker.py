@@ -34,7 +34,7 @@ def main() -> None:
 
     def seal(engine: Engine, pairs: tasks.Pairs) -> None:
         """Compile all that the task may need, which takes a program, and give up everything but computing."""
-        engine.compile_all(pairs)
+        engine.compile_all(pairs, truth=job["task"] in tasks.WITH_TRUTH)
         try:
             confinement.allow_computing_only()
         except confinement.CannotConfine:

@@ -8,13 +8,17 @@ import numpy as np
 
 from service.reference.entry import exact_albedo, half_vector_lobes, load_model, load_technique
 from service.reference.lobe_moments import integrate_lobes
-from service.reference.moments import Pair, integrate_moments, tail_strength
+from service.reference.moments import NEGLIGIBLE, Pair, integrate_moments, tail_strength
 from service.reference.supremum import supremum
 
 
 @dataclass(frozen=True)
 class CellReference:
-    """Exact statistics of the throughput weight w = f cos_i / p of one cell."""
+    """Exact statistics of the throughput weight w = f cos_i / p of one cell.
+
+    A value that is not known is NaN, which the quadrature from the formulas never leaves. An uncertainty is what the
+    value may be off by, absolutely.
+    """
 
     mean: float  # what the average of unboundedly many weights tends to
     albedo: float  # directional albedo of the model, which an unbiased technique's mean equals
@@ -24,7 +28,9 @@ class CellReference:
     uncovered: float  # integral of f cos_i over directions that are never drawn: mean = albedo - uncovered
     zero_probability: float  # probability that a sample weighs zero, for instance below the horizon
     tail_strength: float  # kappa in P(w > W) ~ kappa / (2 W^2); 0 where the variance is finite
-    relative_error: float  # difference of the last two refinements of the moments, relative to them
+    mean_uncertainty: float
+    albedo_uncertainty: float
+    variance_uncertainty: float  # inf where the variance is
 
 
 def cell_reference(
@@ -59,7 +65,9 @@ def cell_reference(
         uncovered=moments.uncovered,
         zero_probability=moments.weightless,
         tail_strength=kappa,
-        relative_error=moments.error,
+        mean_uncertainty=moments.error * abs(moments.mean),
+        albedo_uncertainty=moments.error * abs(moments.mean + moments.uncovered) if albedo is None else 0.0,
+        variance_uncertainty=moments.error * max(moments.variance, NEGLIGIBLE * moments.mean**2),
     )
 
 

@@ -1,7 +1,8 @@
 """What a model and a technique bring to the float64 reference, and how their files are found.
 
 A reference file is optional. It is a module ``models/NAME.py`` or ``techniques/NAME.py`` (``-`` becomes ``_``) with
-the functions of :class:`Model` or :class:`Technique`. A model may add ``directional_albedo(mu, parameters)``, both may
+the functions of :class:`Model` or :class:`Technique`. A model may add ``directional_albedo(mu, parameters)`` and
+``average_albedo(parameters)``, both may
 add ``half_vector_lobes(parameters)``: see the functions of these names here. Directions are unit arrays of shape
 ``(..., 3)`` that point away from the surface, with the normal along +z.
 """
@@ -96,6 +97,15 @@ def exact_albedo(model: Model, mu: float, parameters: Parameters) -> float | Non
     """
     function = getattr(model, "directional_albedo", None)
     return None if function is None else float(function(mu, parameters))
+
+
+def exact_average_albedo(model: Model, parameters: Parameters) -> float | None:
+    """The model's own ``average_albedo``, its directional albedo averaged over views by their cosine.
+
+    None where it has none.
+    """
+    function = getattr(model, "average_albedo", None)
+    return None if function is None else float(function(parameters))
 
 
 def half_vector_lobes(entry: Model | Technique, parameters: Parameters) -> tuple[tuple[float, float], ...]:

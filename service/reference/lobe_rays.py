@@ -17,7 +17,7 @@ from service.reference.moments import Pair
 INNER_PANEL = 1.4  # in the logarithm of rho
 OUTER_ENDS = (2.0, 6.0, 16.0, 36.0, 60.0)  # the last leaves e^-60 of the way to the rim
 SCAN = 24  # points of a ray among which a change of sign is looked for
-HALVINGS = 24  # a kink misplaced by 1e-9 costs the square of that
+STEPS = 10  # to 1e-9 or better; a kink misplaced by 1e-9 costs the square of that
 
 Surface = Callable[[Array], Array]
 
@@ -115,12 +115,21 @@ class Rays:
         index = np.stack([first, last], axis=-1)
         low, high = grid[index], grid[index + 1]
         start = np.take_along_axis(sign, index, axis=-1)
-        for _ in range(HALVINGS):
-            middle = 0.5 * (low + high)
-            same = (surface(self.at(middle, psi[..., None])[0]) > 0.0) == start
-            low, high = np.where(same, middle, low), np.where(same, high, middle)
+        at_low, at_high = (np.take_along_axis(value, at, axis=-1) for at in (index, index + 1))
+        root, before = low, np.zeros_like(start)
+        for step in range(STEPS):
+            # The false position, the value at an end that stays for a second time halved (Illinois).
+            root = np.clip(low + (high - low) * at_low / (at_low - at_high), low, high)
+            found = surface(self.at(root, psi[..., None])[0])
+            same = (found > 0.0) == start
+            again = (same == before) if step else np.zeros_like(same)
+            at_low, at_high = (
+                np.where(same, found, np.where(again, 0.5 * at_low, at_low)),
+                np.where(same, np.where(again, 0.5 * at_high, at_high), found),
+            )
+            low, high, before = np.where(same, root, low), np.where(same, high, root), same
         return np.asarray(
-            np.where(change.any(axis=-1)[..., None], high, grid[np.argmin(np.abs(value), axis=-1)][..., None])
+            np.where(change.any(axis=-1)[..., None], root, grid[np.argmin(np.abs(value), axis=-1)][..., None])
         )
 
 

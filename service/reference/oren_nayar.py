@@ -4,6 +4,9 @@ import numpy as np
 
 from service.reference.entry import Array, Kinks
 
+QUALITATIVE_AVERAGE = 2 / 3 - 64 / (45 * np.pi)
+"""Gq / pi averaged over views by their cosine."""
+
 
 def ratio(sigma: float, c: float) -> float:
     """S(c) = sigma^2 / (sigma^2 + c)."""

@@ -194,7 +194,7 @@ def check(engine: Engine, question: Question, plan: SeriesPlan, powers: np.ndarr
     """
     if not np.all(np.isfinite(powers)):
         raise RuntimeError(f"its sums of {plan.technique.name} are not finite")
-    known = plan_reference(plan, question.scene.angles_deg, engine.cache)
+    known = plan_reference(plan, question.scene.angles_deg, engine)
     count = np.full(len(powers), samples)
     found = from_power_sums(count, np.ones(len(powers)), powers[:, :4].T)
     mean, variance, fourth = (np.array([getattr(k, n) for k in known]) for n in ("mean", "variance", "fourth_moment"))
@@ -244,7 +244,7 @@ def time_to_error(engine: Engine, question: Question, measured: dict) -> dict:
     device = 0.0
     for plan in question.series:
         technique = plan.technique.name
-        known = plan_reference(plan, question.scene.angles_deg, engine.cache)
+        known = plan_reference(plan, question.scene.angles_deg, engine)
         variance = np.array([cell.variance for cell in known])
         finite = np.isfinite(variance)
         estimator = parse_scene({"model": "eon", "estimator": {"method": "quadrature", "tolerance": ERROR}}).estimator

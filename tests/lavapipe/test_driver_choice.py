@@ -126,6 +126,6 @@ with Device.open(shader_cache=sys.argv[1] == "on") as device, device.buffer(2, n
 @pytest.mark.parametrize("cache", ["on", "off"])
 def test_a_device_without_a_shader_cache_keeps_nothing(cache, tmp_path):
     environment = {k: v for k, v in os.environ.items() if not k.startswith("MESA_")}
-    environment["MESA_SHADER_CACHE_DIR"] = str(tmp_path)
+    environment["MESA_SHADER_CACHE_DIR"] = str(tmp_path / "not there yet")
     subprocess.run([sys.executable, "-c", OPEN_AND_RUN, cache], env=environment, check=True, timeout=120)
     assert any(path.is_file() and path.name != "index" for path in tmp_path.rglob("*")) == (cache == "on")

@@ -81,7 +81,7 @@ def declared_features():
     """(model, technique, values) at which a head of the catalogue says that something drops out."""
     catalogue = load_catalogue()
     for model in catalogue.models.values():
-        technique = catalogue.techniques_for(model.name)[-1]
+        technique = catalogue.techniques_for(model.name)[0]
         for values in model.head.left_out.values():
             yield model.name, technique, values
     for technique in catalogue.techniques.values():

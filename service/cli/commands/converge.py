@@ -7,7 +7,8 @@ from typing import Any
 import click
 
 from service.cli.delivery import ProgressLine, deliver
-from service.cli.options import integer, names, number, output_options, scene_data, scene_options
+from service.cli.options import integer, is_file, names, number, output_options, scene_data, scene_options
+from service.cli.own_file import answer_for_file
 from service.convergence.scene import ConvergenceScene, parse_convergence_scene
 
 
@@ -27,7 +28,8 @@ def converge(
     device: str | None,
     **options: Any,
 ) -> None:
-    """Error against run time: which technique reaches a target first, and which estimator measures it first.
+    """Error against run time: which technique reaches a target first, and which estimator measures it first. The model
+    may be a .glsl file.
 
     --method takes a list here; by default all three estimators are compared, at 0, 45, 80 and 89 degrees, up to
     --samples 1048576.
@@ -43,6 +45,10 @@ def converge(
         }.items()
         if value is not None
     }
+    path = options["model"]
+    if is_file(path):
+        deliver(lambda: answer_for_file("convergence", path, data, device), format_, outputs)
+        return
     scene = parse_convergence_scene(data)
     deliver(lambda: convergence_of(scene, device), format_, outputs)
 

@@ -4,21 +4,22 @@ import numpy as np
 
 from service.reference.entry import Array, Parameters
 from service.reference.models import fon
-from service.reference.models.fon import C1, C2, kinks, missing_albedo, peak_factor
+from service.reference.models.fon import C1, C2, kinks, missing_albedo, peak_factor, white_average
 
 __all__ = ["average_albedo", "brdf", "directional_albedo", "kinks", "multiple_albedo"]
-
-
-def average_albedo(roughness: float) -> float:
-    """Average albedo of white FON, A (1 + C2 r)."""
-    return float(peak_factor(roughness) * (1.0 + C2 * roughness))
 
 
 def multiple_albedo(parameters: Parameters) -> float:
     """rho_ms of eq. 19: the colour of the multiple-scattering lobe, quadratic in the albedo."""
     albedo = parameters.get("albedo", 1.0)
-    average = average_albedo(parameters.get("roughness", 1.0))
+    average = white_average(parameters.get("roughness", 1.0))
     return float(albedo * albedo * average / (1.0 - albedo * (1.0 - average)))
+
+
+def average_albedo(parameters: Parameters) -> float:
+    """Albedo averaged over views: that of FON and, of what it misses, rho_ms."""
+    average = white_average(parameters.get("roughness", 1.0))
+    return float(parameters.get("albedo", 1.0) * average + multiple_albedo(parameters) * (1.0 - average))
 
 
 def brdf(wi: Array, wo: Array, parameters: Parameters) -> Array:

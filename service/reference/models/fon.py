@@ -45,6 +45,16 @@ def directional_albedo(mu: Array | float, parameters: Parameters) -> Array:
     return np.asarray(parameters.get("albedo", 1.0) * (1.0 - missing))
 
 
+def white_average(roughness: float) -> float:
+    """Albedo of white FON averaged over views, A (1 + C2 r) (eq. 15)."""
+    return float(peak_factor(roughness) * (1.0 + C2 * roughness))
+
+
+def average_albedo(parameters: Parameters) -> float:
+    """Albedo averaged over views by their cosine."""
+    return parameters.get("albedo", 1.0) * white_average(parameters.get("roughness", 1.0))
+
+
 def kinks(wo: Array, parameters: Parameters) -> Kinks:
     """For s > 0, t changes where the elevations are equal; s changes sign a quarter turn from wo."""
     elevation = float(np.arctan2(wo[2], np.hypot(wo[0], wo[1])))

@@ -4,6 +4,7 @@ import numpy as np
 
 from service.reference.entry import Array, Kinks, Parameters
 from service.reference.oren_nayar import (
+    QUALITATIVE_AVERAGE,
     above,
     equal_elevations,
     larger_cosine,
@@ -34,6 +35,12 @@ def directional_albedo(mu: Array | float, parameters: Parameters) -> Array:
     """Albedo for views of cosine ``mu``: rho (A + B Gq / pi)."""
     sigma = parameters["sigma"]
     return np.asarray(parameters["albedo"] * (amplitude(sigma) + slope(sigma) * qualitative_shape(mu) / np.pi))
+
+
+def average_albedo(parameters: Parameters) -> float:
+    """Albedo averaged over views by their cosine: rho (A + (2/3 - 64/(45 pi)) B) (eq. 9)."""
+    sigma = parameters["sigma"]
+    return parameters["albedo"] * (amplitude(sigma) + QUALITATIVE_AVERAGE * slope(sigma))
 
 
 def kinks(wo: Array, parameters: Parameters) -> Kinks:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from service.reference.entry import Array, Kinks, Parameters
+from service.reference.models.fon import C2
 from service.reference.models.qon import slope
 from service.reference.oren_nayar import (
     above,
@@ -32,6 +33,12 @@ def directional_albedo(mu: Array | float, parameters: Parameters) -> Array:
     mu, sigma, albedo = np.asarray(mu), parameters["sigma"], parameters["albedo"]
     shape = (qualitative_shape(mu) - 2 / 3 * np.sqrt((1.0 - mu) * (1.0 + mu))) / np.pi
     return np.asarray(albedo * (amplitude(sigma, albedo) + slope(sigma) * shape))
+
+
+def average_albedo(parameters: Parameters) -> float:
+    """Albedo averaged over views by their cosine: rho (A + (2/3 - 28/(15 pi)) B), with G less 2/3 sin(theta)."""
+    sigma, albedo = parameters["sigma"], parameters["albedo"]
+    return albedo * (amplitude(sigma, albedo) + C2 * slope(sigma))
 
 
 def kinks(wo: Array, parameters: Parameters) -> Kinks:

@@ -36,7 +36,10 @@ LONG = {
     "estimator": {"samples": 1_000_000, "seed": 2},
     "reference": False,
 }
-"""A question of about half a second and 16 launches."""
+"""A question of some tenths of a second and 4 launches, one a series."""
+
+LONGER = LONG | {"theta_o_deg": {"count": 64}}
+"""A question of a second or two and 16 launches, four a series."""
 
 HUGE = LONG | {"estimator": {"samples": 10**10, "seed": 3}}
 """A question of an hour."""

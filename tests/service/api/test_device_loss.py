@@ -6,7 +6,7 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 
 import httpx
-from http_server import HUGE, LONG, PATIENCE_S, SMALL, seeded, wait_until, without_run
+from http_server import HUGE, LONG, LONGER, PATIENCE_S, SMALL, seeded, wait_until, without_run
 from own_time import OwnTime
 
 BACK_S = 3.0
@@ -85,7 +85,7 @@ def test_an_idle_worker_that_dies_is_replaced_before_anyone_asks(start_server):
 def test_every_child_killed_under_load_and_the_service_goes_on(start_server):
     """Each worker is killed while all lanes have work: jobs end, other answers are results or problems with a hint."""
     server = start_server()
-    job = server.start_job(LONG | {"theta_o_deg": {"count": 64}})
+    job = server.start_job(LONGER)
     stop = threading.Event()
     replies = []
 
@@ -123,7 +123,7 @@ def test_every_child_killed_under_load_and_the_service_goes_on(start_server):
 
 def test_a_job_whose_worker_is_killed_goes_on_where_it_was_and_ends_with_the_same_bits(start_server, direct_answer):
     server = start_server()
-    job = server.start_job(LONG)
+    job = server.start_job(LONGER)
     for _ in range(2):
         begun = server.client.get(job).json()["progress"]["done"]
         reached = server.await_job(job, wanted=(), until=lambda now, begun=begun: now["progress"]["done"] > begun)
@@ -135,4 +135,4 @@ def test_a_job_whose_worker_is_killed_goes_on_where_it_was_and_ends_with_the_sam
     assert server.await_job(job)["state"] == "done"
     assert server.metric("samplerscope_worker_restarts_total", lane="jobs") == 2
     result = server.client.get(f"{job}/result").json()
-    assert without_run(result) == direct_answer(LONG)
+    assert without_run(result) == direct_answer(LONGER)

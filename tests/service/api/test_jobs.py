@@ -8,7 +8,7 @@ from contextlib import closing
 
 import httpx
 import pytest
-from http_server import HUGE, LONG, PATIENCE_S, SMALL, seeded, wait_until, without_run
+from http_server import HUGE, LONG, LONGER, PATIENCE_S, SMALL, seeded, wait_until, without_run
 
 
 def events(server, path, most=10_000, when_watching=lambda: None):
@@ -58,7 +58,7 @@ def test_prefer_respond_async_makes_any_new_question_a_job(server):
 
 
 def test_events_tell_progress_and_partial_statistics_that_plot(start_server):
-    scene = seeded(LONG, 52)
+    scene = seeded(LONGER, 52)
     server = start_server(beat_timeout_s=PATIENCE_S)
     # The worker stands still until someone watches, who so hears of the job from its beginning.
     worker = server.worker("jobs")
@@ -71,12 +71,12 @@ def test_events_tell_progress_and_partial_statistics_that_plot(start_server):
     done = [data["done"] for data in progress]
     assert done == sorted(done)
     assert len(set(done)) > 8
-    assert done[-1] == progress[-1]["total"] == 4 * 16 * 1_000_000
+    assert done[-1] == progress[-1]["total"] == 4 * 64 * 1_000_000
     partials = [data for name, data in told if name == "partial"]
     unfinished = [one for one in partials if 0 < min(one["samples"]) < 1_000_000]
     assert unfinished
     for one in partials:
-        assert len(one["theta_o_deg"]) == len(one["mean"]) == len(one["variance"]) == len(one["max_weight"]) == 16
+        assert len(one["theta_o_deg"]) == len(one["mean"]) == len(one["variance"]) == len(one["max_weight"]) == 64
     result = server.client.get(f"{path}/result").json()
     last = {one["number"]: one for one in partials}
     assert [last[number]["mean"] for number in range(4)] == [series["mean"] for series in result["series"]]
@@ -108,7 +108,7 @@ def test_jobs_are_listed_newest_first(server):
 @pytest.mark.parametrize("how", ["stop", "kill"])
 def test_a_job_survives_a_restart_of_the_server_and_ends_with_the_same_bits(start_server, direct_answer, how):
     """`stop` is SIGTERM: the job is put off in order. `kill` is SIGKILL: what was stored last is gone on with."""
-    scene = seeded(LONG, 57)
+    scene = seeded(LONGER, 57)
     first = start_server()
     path = first.start_job(scene)
     reached = first.await_job(path, wanted=(), until=lambda job: job["progress"]["done"] > 0)["progress"]["done"]

@@ -1,4 +1,8 @@
-"""A user's own model and technique, which have no reference: the quadrature on the device stands in for it."""
+"""A user's own model and technique: their truth comes from their own code in double precision."""
+
+import json
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -65,6 +69,21 @@ def test_floor_and_curve_of_a_biased_technique_without_a_reference(own, engine):
     assert narrow["relative_rmse"][-1] == [pytest.approx(0.01, rel=1e-4)]
     assert narrow["verdict"]["status"] == "biased"
     assert cosine["floor"] == [0.0]
+
+
+def test_the_command_takes_a_file_and_runs_it_apart(tmp_path):
+    path = tmp_path / "model.glsl"
+    path.write_text(MODEL)
+    words = [sys.executable, "-c", "from service.cli import main; main()", "converge", "--model", str(path)]
+    options = ["--technique", "uniform", "--theta-o-deg", "20", "--samples", "1024", "--method", "qmc,quadrature"]
+    done = subprocess.run([*words, *options, "--format", "json"], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    result = json.loads(done.stdout)
+    assert result["kind"] == "convergence"
+    assert {one["estimator"] for one in result["series"]} == {"qmc", "quadrature"}
+    for one in result["series"]:
+        assert one["floor"] == [0.0]
+        assert one["relative_rmse"][-1][0] < 0.02  # 1024 points of a net, for a weight that is twice the cosine
 
 
 @pytest.mark.parametrize("method", ["mc", "qmc", "quadrature"])

@@ -129,7 +129,7 @@ def test_every_technique_finds_the_same_albedo_of_a_narrow_lobe_at_grazing(model
     albedos = [cell(model, technique, parameters, 85.0, math.pi / 6) for technique in (OWN[model], "cosine", "uniform")]
     for found in albedos[1:]:
         assert found.albedo == pytest.approx(albedos[0].albedo, rel=1e-7)
-        assert found.relative_error < 1e-6
+        assert found.mean_uncertainty < 1e-6 * found.mean
 
 
 def test_the_plausible_model_gains_energy_at_grazing_above_slope_1_881():
@@ -190,3 +190,33 @@ def test_printed_arc_tangent_without_quadrant_would_lose_half_of_the_half_vector
     wi, _ = load_technique("beckmann-half-vector").sample(view(0.0), *u, {"mx": 0.2, "my": 0.6})
     quadrants = np.bincount(2 * (wi[:, 0] > 0) + (wi[:, 1] > 0), minlength=4)
     np.testing.assert_allclose(quadrants / 1e5, 0.25, atol=5 * math.sqrt(0.1875 / 1e5))
+
+
+def test_the_tangent_from_the_cosine_loses_its_digits_for_narrow_lobes():
+    """In float32 at slopes about m = 0.001: from 1 - n.h^2 it is off by 6 percent, from the components by 1e-6."""
+    slope = np.geomspace(0.5e-3, 2e-3, 2001)
+    exact = slope.astype(np.float32).astype(np.float64)
+    h = (np.stack([exact, 0.0 * exact, 0.0 * exact + 1.0]) / np.sqrt(1.0 + exact**2)).astype(np.float32)
+    from_cosine = (np.float32(1) - h[2] * h[2]) / (h[2] * h[2])
+    from_components = (h[0] * h[0] + h[1] * h[1]) / (h[2] * h[2])
+    near = np.abs(exact / 1e-3 - 1.0) < 0.1
+    assert 0.05 < np.max(np.abs(from_cosine / exact**2 - 1.0)[near]) < 0.08
+    assert np.max(np.abs(from_components / exact**2 - 1.0)) < 1e-6
+
+
+def test_wo_h_as_a_dot_product_cancels_at_grazing():
+    """In float32, view and light 1e-4 above the horizon on opposite sides: the sum of the cosines does not cancel.
+
+    Rounding of the components, 6e-8, is 3e-4 of a sum as long as 2e-4: more than the dot product, of 1e-4.
+    """
+    rng = np.random.default_rng(3)
+    slope, turn = 1e-4 * rng.uniform(0.5, 2.0, (2, 500)), rng.uniform(0.0, 2e-4, 500)
+    wo = np.stack([np.cos(slope[0]), 0.0 * turn, np.sin(slope[0])])
+    wi = np.stack([-np.cos(slope[1]) * np.cos(turn), np.cos(slope[1]) * np.sin(turn), np.sin(slope[1])])
+    exact = np.sum((wi + wo) * wo, axis=0) / np.linalg.norm(wi + wo, axis=0)
+    wi, wo = wi.astype(np.float32), wo.astype(np.float32)
+    h = (wi + wo) / np.sqrt(np.sum((wi + wo) ** 2, axis=0, dtype=np.float32))
+    dot = np.sum(wo * h, axis=0, dtype=np.float32)
+    ratio = (wi[2] + wo[2]) / (np.float32(2) * h[2])
+    assert np.max(np.abs(dot / exact - 1.0)) > 0.1
+    assert np.max(np.abs(ratio / exact - 1.0)) < 1e-3

@@ -8,7 +8,8 @@ import math
 import numpy as np
 import pytest
 
-from service.reference.entry import exact_albedo, load_model
+from service.reference.entry import exact_albedo, exact_average_albedo, load_model
+from service.slices import values_in_plane
 
 SIGMAS = np.linspace(0.0, math.pi / 2, 1571)
 NEARLY_GRAZING = 1e-9  # cosine
@@ -98,15 +99,40 @@ def test_fon_never_gains_energy():
         assert np.all(albedo <= 1.0 + 1e-15)
 
 
-def test_the_average_albedo_of_qon():
-    """A + (2/3 - 64/(45 pi)) B, by Gauss-Legendre in the angle of the view."""
+@pytest.mark.parametrize("name", ["qon", "qon-footnote", "qon-fujii", "fon", "eon"])
+@pytest.mark.parametrize("parameters", [{"sigma": s, "roughness": r, "albedo": a} for s, r, a in
+                                        ((0.2, 0.1, 1.0), (0.8, 0.6, 0.7), (1.5, 1.0, 1.0))])  # fmt: skip
+def test_the_average_albedo_in_closed_form_is_the_integral(name, parameters):
+    """By Gauss-Legendre in the angle of the view; the directional albedo is smooth in it."""
     nodes, weights = np.polynomial.legendre.leggauss(60)
     theta = math.pi / 4 * (nodes + 1)
-    for sigma in (0.2, 0.8, 1.5):
-        albedo = load_model("qon").directional_albedo(np.cos(theta), {"sigma": sigma, "albedo": 1.0})
+    albedo = load_model(name).directional_albedo(np.cos(theta), parameters)
+    average = math.pi / 4 * np.sum(weights * albedo * np.sin(2 * theta))
+    assert exact_average_albedo(load_model(name), parameters) == pytest.approx(average, abs=1e-12)
+
+
+def test_the_average_albedos_of_the_papers_models_as_printed():
+    """EON paper, eq. 9 and 15, and EON itself, which keeps all energy."""
+    sigma, r = 0.8, 0.6
+    a, b = 1 - 0.5 * sigma**2 / (sigma**2 + 0.33), 0.45 * sigma**2 / (sigma**2 + 0.09)
+    qon = exact_average_albedo(load_model("qon"), {"sigma": sigma, "albedo": 1.0})
+    assert qon == pytest.approx(a + (2 / 3 - 64 / (45 * math.pi)) * b, abs=1e-14)
+    a = 1 / (1 + (1 / 2 - 2 / (3 * math.pi)) * r)
+    fon, eon = (exact_average_albedo(load_model(n), {"roughness": r, "albedo": 1.0}) for n in ("fon", "eon"))
+    assert fon == pytest.approx(a * (1 + (2 / 3 - 28 / (15 * math.pi)) * r), abs=1e-14)
+    assert eon == pytest.approx(1.0, abs=1e-14)
+
+
+def test_average_albedos_from_device_values_are_the_closed_forms(engine):
+    """The albedo that the shader declares, at 40 Gauss-Legendre views; 1e-6 leaves room for float32 (6e-8 each)."""
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    theta = math.pi / 4 * (nodes + 1)
+    for name, parameters in (("qon", {"sigma": 0.8, "albedo": 0.7}), ("fon", {"roughness": 0.6, "albedo": 0.7}),
+                             ("eon", {"roughness": 0.6, "albedo": 0.7})):  # fmt: skip
+        rounded = {key: float(np.float32(value)) for key, value in parameters.items()}
+        albedo = [values_in_plane(engine, name, parameters, t, np.zeros(1))[1] for t in theta]
         average = math.pi / 4 * np.sum(weights * albedo * np.sin(2 * theta))
-        a, b = 1 - 0.5 * sigma**2 / (sigma**2 + 0.33), 0.45 * sigma**2 / (sigma**2 + 0.09)
-        assert average == pytest.approx(a + (2 / 3 - 64 / (45 * math.pi)) * b, abs=1e-12)
+        assert average == pytest.approx(exact_average_albedo(load_model(name), rounded), abs=1e-6)
 
 
 def test_the_tutorials_variant_ignores_azimuth():

@@ -2,10 +2,13 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from service.catalogue import load_catalogue
 from service.engine import Engine
+from service.probe import Probe
+from service.reference.models import fon
 from service.scene import parse_scene, resolve
 from service.stability import compute_stability
 
@@ -39,3 +42,31 @@ def test_the_stable_forms_are_finite_and_keep_their_digits_where_the_printed_do_
 
 def test_the_printed_clipped_lobe_is_unstable_too(engine):
     assert evidence(engine, "eon", "printed-cltc", "printed-cltc")[0]["wrong"] > 1000
+
+
+PRINTED_MISSING = """
+    float s = sqrt(1.0 - wo.z * wo.z);
+    float shape = s * (0.5 * PI - arcsine(wo.z) - s * wo.z) + (2.0 / 3.0) * ((s / wo.z) * (1.0 - s * s * s) - s);
+    return 1.0 - fon_amplitude(1.0) * (1.0 + shape / PI);
+"""
+
+
+def test_missing_albedo_as_printed_is_off_by_four_percent_and_the_stable_form_by_6e_7(engine, tmp_path):
+    """1 - E of white FON at roughness 1 in float32, with an exact arc cosine, against float64 at the same cosines."""
+    found = []
+    for name, body in (("printed", PRINTED_MISSING), ("stable", "return fon_missing_energy(wo.z, 1.0);")):
+        head = f'/*---\nprovides = ["model"]\nname = "{name}"\ntitle = "1 - E"\nsource = "eq. 13"\n---*/\n'
+        path = tmp_path / f"{name}.glsl"
+        path.write_text(f'{head}#include "common/fon.glsl"\nfloat brdf(vec3 wi, vec3 wo) {{ {body} }}\n')
+        catalogue = load_catalogue().with_file(path)
+        at = Engine(engine.device, catalogue, engine.cache)
+        probe = Probe(at, catalogue.model(name), catalogue.technique("cosine"))
+        cosine = np.geomspace(1e-3, 1.0, 20_001).astype(np.float32)
+        sine = np.sqrt((1.0 - cosine.astype(np.float64)) * (1.0 + cosine))
+        wo = np.stack([sine, 0.0 * sine, cosine], axis=1).astype(np.float32)
+        value = probe.evaluate(wo, np.array([[0.0, 0.0, 1.0]], np.float32), np.zeros((1, 0), np.float32)).brdf
+        exact = fon.missing_albedo(cosine.astype(np.float64), sine) * fon.peak_factor(1.0) / np.pi
+        found.append(np.abs(value / exact - 1.0))
+    printed, stable = found
+    assert 0.04 < np.max(printed[cosine < 1.1e-3]) < 0.05
+    assert np.max(stable) < 7e-7
