@@ -97,7 +97,7 @@ def _assemble(
     m: WeightMoments, a: Albedo, largest: Array, known: NDArray[np.bool_], infinite: NDArray[np.bool_]
 ) -> list[CellReference]:
     mean_known = known & (m.mean_error <= WORST * np.abs(m.mean))
-    albedo_known = a.trusted & (a.error <= np.where(_agree(m, a), WORST, ALONE) * a.albedo)
+    albedo_known = a.trusted & (a.error <= np.where(mean_known & _agree(m, a), WORST, ALONE) * a.albedo)
     variance = np.where(infinite, np.inf, np.where(known & _near(m), m.variance, np.nan))
     uncovered_known = a.trusted & (a.uncovered_error <= WORST * np.maximum(a.albedo, 1e-300))
     columns = np.stack(
