@@ -10,7 +10,7 @@ from typing import Self
 
 import numpy.typing as npt
 
-from lavapipe import drivers
+from lavapipe import drivers, vectors
 from lavapipe.buffer import Budget, Buffer
 from lavapipe.commands import Commands, Dispatch
 from lavapipe.errors import InvalidArgument, ValidationFailed
@@ -60,7 +60,8 @@ class Device:
         """
         if memory_limit_bytes <= 0:
             raise InvalidArgument(f"memory_limit_bytes={memory_limit_bytes}: a positive number of bytes")
-        with ExitStack() as undo, nullcontext() if shader_cache else drivers.without_shader_cache():
+        cached = nullcontext() if shader_cache else drivers.without_shader_cache()
+        with ExitStack() as undo, cached, vectors.widest():
             instance = Instance(validation=validation, any_driver=name is not None)
             undo.callback(instance.close)
             device = cls(instance, name, memory_limit_bytes)

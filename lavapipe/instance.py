@@ -6,7 +6,7 @@ from contextlib import ExitStack, nullcontext
 from typing import Any
 
 from lavapipe import _binding as vk
-from lavapipe import drivers, threads, vectors
+from lavapipe import drivers, threads
 from lavapipe.errors import DeviceNotFound, DriverError
 from lavapipe.messages import Messages
 
@@ -23,7 +23,6 @@ class Instance:
     def __init__(self, *, validation: bool, any_driver: bool) -> None:
         drivers.check_choice()
         threads.respect_quota()
-        vectors.use_widest()
         self.messages = Messages()
         self._callback = vk.message_callback(self.messages.receive)
         with ExitStack() as teardown, nullcontext() if any_driver else drivers.pinned_to_lavapipe():

@@ -8,7 +8,8 @@ widths apart: what was compiled for 256 bits would go on being used. So the wide
 from __future__ import annotations
 
 import os
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 _WIDTH = "LP_NATIVE_VECTOR_WIDTH"
@@ -17,16 +18,26 @@ _CPU = Path("/proc/cpuinfo")
 _NEEDED = {"avx512f", "avx512bw", "avx512dq", "avx512vl"}  # what LLVM's code for 512 bits is built of
 
 
-def use_widest(cpu: Path = _CPU) -> None:
-    """Set the driver's vectors to 512 bits where the processor has AVX-512; a width that is set already stays."""
+@contextmanager
+def widest(cpu: Path = _CPU) -> Iterator[None]:
+    """What the driver starts in here has 512-bit vectors where the processor has AVX-512; a width that is set stays."""
     if _WIDTH in os.environ or not _has_avx512(cpu):
+        yield
         return
+    before = os.environ.get(_CACHE)
     os.environ[_WIDTH] = "512"
     if folder := _cache_folder():
         wide = folder / "512-bit"
         with suppress(OSError):  # then the driver says that it goes without; by itself it makes one level, not two
             wide.mkdir(parents=True, exist_ok=True)
         os.environ[_CACHE] = str(wide)
+    try:
+        yield
+    finally:
+        del os.environ[_WIDTH]
+        os.environ.pop(_CACHE, None)
+        if before is not None:
+            os.environ[_CACHE] = before
 
 
 def _has_avx512(cpu: Path) -> bool:

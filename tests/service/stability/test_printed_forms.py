@@ -46,7 +46,7 @@ def test_the_printed_clipped_lobe_is_unstable_too(engine):
 
 PRINTED_MISSING = """
     float s = sqrt(1.0 - wo.z * wo.z);
-    float shape = s * (0.5 * PI - arcsine(wo.z) - s * wo.z) + (2.0 / 3.0) * ((s / wo.z) * (1.0 - s * s * s) - s);
+    float shape = s * (quadrant_angle(s, wo.z) - s * wo.z) + (2.0 / 3.0) * ((s / wo.z) * (1.0 - s * s * s) - s);
     return 1.0 - fon_amplitude(1.0) * (1.0 + shape / PI);
 """
 
