@@ -36,7 +36,7 @@ browser:  ## bring Debian's Chromium, which the tests of the page drive
 	tests/page/install-chromium.sh
 
 test: setup browser  ## prove it right, on the real driver
-	$(BIN)/pytest
+	$(BIN)/pytest --numprocesses 2 --dist loadfile
 
 bench: setup  ## speed and calibration beside NumPy, Numba, Dr.Jit and C++, brought on demand; minutes
 	$(BIN)/python tests/benchmarks/run.py

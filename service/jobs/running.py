@@ -180,8 +180,10 @@ class Jobs:
     def _hear(self, live: _Live, message: Message) -> None:
         head = message.head
         if head["say"] == "progress":
-            live.job = replace(live.job, state="running", done=head["done"], total=head["total"], updated=time.time())
-            live.tell("progress", {name: head[name] for name in ("technique", "done", "total")})
+            # A run that goes on counts from 0 until it has read its checkpoint; what was done stays done.
+            done = max(live.job.done, head["done"]) if live.task.resumable else head["done"]
+            live.job = replace(live.job, state="running", done=done, total=head["total"], updated=time.time())
+            live.tell("progress", {"technique": head["technique"], "done": done, "total": head["total"]})
             return
         live.unsaved[head["run"]] = message.blobs[0]
         self._save(live)
