@@ -6,6 +6,7 @@ sums are added in block order in double precision: the result does not depend on
 
 from __future__ import annotations
 
+import itertools
 import math
 import struct
 from collections import deque
@@ -25,6 +26,7 @@ LANES = 64
 PILOT_SAMPLES = 4 * LANES
 LAUNCH_BLOCKS = 1024  # at most, 17 M samples: 0.02 to 0.2 s, so that progress and cancelling are prompt
 SHORT_LAUNCH_BLOCKS = 256  # of a run that has fewer than four long ones
+LEAST_OUTPUT_BLOCKS = 16
 LAUNCHES_IN_FLIGHT = 2  # the host adds one launch while the device draws the next
 TIMEOUT_S = 600.0
 NO_INDEX = 0xFFFFFFFF
@@ -110,7 +112,7 @@ class Sampler:
         self._cells.array[:] = cell_table(cells)
         self._parameters = device.buffer((max(1, cells.parameters.size),), np.float32)
         self._parameters.array[: cells.parameters.size] = cells.parameters.ravel()
-        self._outputs = [self._output_pair() for _ in range(LAUNCHES_IN_FLIGHT)]
+        self._outputs: list[tuple[Buffer, Buffer] | None] = [None] * LAUNCHES_IN_FLIGHT
 
     def __enter__(self) -> Sampler:
         return self
@@ -120,21 +122,21 @@ class Sampler:
 
     def close(self) -> None:
         """Free the buffers."""
-        for pair in self._outputs:
-            for buffer in pair:
-                buffer.close()
+        for buffer in itertools.chain.from_iterable(filter(None, self._outputs)):
+            buffer.close()
         self._parameters.close()
         self._cells.close()
 
     def warm_up(self) -> None:
         """Draw once, so that the driver compiles before anything is timed."""
-        self._submit(_Launch(0, 1, 0, 1), 1, self._outputs[0]).wait(TIMEOUT_S)
+        launch = _Launch(0, 1, 0, 1)
+        self._submit(launch, 1, self._outputs_for(launch)).wait(TIMEOUT_S)
 
     def launch(self, blocks: int) -> int:
         """Draw so many blocks of every cell in one launch and add nothing; the device's nanoseconds."""
         cells = min(self._count, LAUNCH_BLOCKS)
         launch = _Launch(0, cells, 0, min(blocks, LAUNCH_BLOCKS // cells))
-        return self._submit(launch, blocks * BLOCK_SAMPLES, self._outputs[0]).wait(TIMEOUT_S).total_ns
+        return self._submit(launch, blocks * BLOCK_SAMPLES, self._outputs_for(launch)).wait(TIMEOUT_S).total_ns
 
     def run(
         self, samples: int, progress: Callable[[int], None] = lambda done: None, journal: Journal | None = None
@@ -194,7 +196,7 @@ class Sampler:
                     continue
                 if len(pending) == LAUNCHES_IN_FLIGHT:
                     add_oldest()
-                outputs = self._outputs[number % LAUNCHES_IN_FLIGHT]
+                outputs = self._outputs_for(launch, number % LAUNCHES_IN_FLIGHT)
                 pending.append((launch, self._submit(launch, samples, outputs), outputs))
             while pending:
                 add_oldest()
@@ -208,8 +210,9 @@ class Sampler:
         shifts = np.empty(self._count)
         for first in range(0, self._count, LAUNCH_BLOCKS):
             launch = _Launch(first, min(LAUNCH_BLOCKS, self._count - first), 0, 1)
-            self._submit(launch, samples, self._outputs[0]).wait(TIMEOUT_S)
-            powers, found = (_view(buffer, launch)[:, :, 0] for buffer in self._outputs[0])
+            outputs = self._outputs_for(launch)
+            self._submit(launch, samples, outputs).wait(TIMEOUT_S)
+            powers, found = (_view(buffer, launch)[:, :, 0] for buffer in outputs)
             used = found[:, 0, DRAWN] != 0
             powers, found = powers[used], found[used]
             shifts[first : first + launch.cells] = np.median(powers[..., 0] / (found[..., DRAWN] & 0xFFFF), axis=0)
@@ -227,9 +230,16 @@ class Sampler:
         )
         return commands.submit()
 
-    def _output_pair(self) -> tuple[Buffer, Buffer]:
-        size = (LANES * LAUNCH_BLOCKS * 4,)
-        return self._device.buffer(size, np.float32), self._device.buffer(size, np.uint32)
+    def _outputs_for(self, launch: _Launch, slot: int = 0) -> tuple[Buffer, Buffer]:
+        """Where a launch writes. Buffers are as large as the largest launch so far, since zeroing them costs time."""
+        words = 4 * LANES * max(LEAST_OUTPUT_BLOCKS, launch.cells * launch.blocks)
+        pair = self._outputs[slot]
+        if pair is None or pair[0].shape[0] < words:
+            for buffer in pair or ():
+                buffer.close()
+            pair = self._device.buffer((words,), np.float32), self._device.buffer((words,), np.uint32)
+            self._outputs[slot] = pair
+        return pair
 
 
 CELL = np.dtype([("wo", "<f4", 3), ("shift", "<f4"), ("key", "<u4", 2), ("padding", "<u4", 2)])
