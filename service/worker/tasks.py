@@ -114,7 +114,7 @@ class _Progress:
         self._watched = toil.task.head.get("partial", False)
         self._shown = 0.0
         self._kept = 0.0
-        self._told = time.monotonic()
+        self._told = self._begun = time.monotonic()
 
     def advance(self, name: str, done: int, total: int) -> None:
         self._toil.check_stop()
@@ -132,6 +132,8 @@ class _Progress:
     def keep(self, run: str, series: int, checkpoint: Checkpoint) -> None:
         head: dict[str, Any] = {"run": run}
         now = time.monotonic()
+        if not self._watched and now - self._begun < PARTIAL_EVERY_S:
+            return  # so short a task is sooner done again than told of
         due = now - self._kept >= checkpoints.size(checkpoint) / CHECKPOINT_BYTES_A_SECOND
         scene = self._question.scene
         complete = checkpoint.sums.drawn.sum() >= scene.estimator.samples * len(scene.angles_deg)
