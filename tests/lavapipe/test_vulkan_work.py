@@ -158,8 +158,8 @@ pipeline = device.pipeline(lavapipe.compile_glsl(kernels.SLOW), buffers=1)
 commands = device.record()
 commands.dispatch(pipeline, [device.buffer(64, "f4")], (4000, 1, 1))
 submission = commands.submit()
-print("started", flush=True)
 try:
+    print("started", flush=True)
     submission.wait()
 except KeyboardInterrupt:
     print("interrupted", submission.done, flush=True)
