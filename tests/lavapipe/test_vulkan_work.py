@@ -152,7 +152,8 @@ def test_other_threads_run_during_a_wait(device: Device, values: Buffer, slow: P
 
 INTERRUPTED = """
 import sys; sys.path.insert(0, sys.argv[1])
-import kernels, lavapipe, os, time
+import kernels, lavapipe, os, signal
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs begin with it ignored
 device = lavapipe.Device.open()
 pipeline = device.pipeline(lavapipe.compile_glsl(kernels.SLOW), buffers=1)
 commands = device.record()
