@@ -57,10 +57,11 @@ RUN set -eu; \
     done | sort -u | grep -v '^/opt/' | while read -r file; do cp --dereference --preserve=timestamps --parents "$file" /image; done; \
     cp -a /usr/lib/python3.11 /usr/lib/python3 /image/usr/lib/; \
     rm -rf /image/usr/lib/python3/dist-packages /image/usr/lib/python3.11/ensurepip /image/usr/lib/python3.11/lib2to3 \
-        /image/usr/lib/python3.11/idlelib /image/usr/lib/python3.11/pydoc_data /image/usr/lib/python3.11/tkinter; \
+        /image/usr/lib/python3.11/idlelib /image/usr/lib/python3.11/pydoc_data /image/usr/lib/python3.11/test /image/usr/lib/python3.11/tkinter; \
     ln -s python3.11 /image/usr/bin/python3; \
     cp --parents /usr/share/vulkan/icd.d/lvp_icd*.json /image; \
     mkdir -p /image/opt; cp -a /opt/samplerscope /opt/cache /image/opt/; \
+    find /image/opt/samplerscope -type f \( -name '*.pyi' -o -name '*.h' \) -delete; \
     chmod -R a+rX /image/opt/cache; \
     echo 'samplerscope:x:10001:10001::/tmp:/sbin/nologin' > /image/etc/passwd; \
     echo 'samplerscope:x:10001:' > /image/etc/group; \
