@@ -81,7 +81,7 @@ def test_the_polar_angle_as_printed_is_unstable_and_the_slopes_of_the_catalogue_
 
 
 def test_the_arc_tangent_as_printed_draws_half_of_the_half_vectors_and_its_mean_is_biased(engine):
-    """At the normal all azimuths are alike, so the weights there do not show which half is missing; at 60 degrees they do.
+    """At the normal all azimuths are alike: weights do not show there which half is missing. At 60 degrees they do.
 
     The mean of 10^5 weights is known to a tenth of a percent: the bias, a third and more of it, is no chance.
     """
