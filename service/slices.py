@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from service.engine import Engine
 from service.probe import Probe
-from service.scene import Question, SeriesPlan, radians
+from service.scene import Question, SeriesPlan
 from service.statistics import Progress
 from service.verdict import finite_or_none
 
@@ -41,7 +41,7 @@ def compute_slices(question: Question, engine: Engine, progress: Progress = lamb
 def _series(plan: SeriesPlan, angles_deg: Sequence[float], engine: Engine) -> list[dict[str, Any]]:
     """One series of the result for each view angle; all are evaluated together."""
     theta_i_deg = np.linspace(-90.0, 90.0, LIGHTS)
-    azimuth = radians(plan.azimuth_deg)
+    azimuth = math.radians(plan.azimuth_deg)
     wo = _in_plane(np.radians(angles_deg), azimuth)
     wi = _in_plane(np.radians(theta_i_deg), azimuth)
     probe = Probe(engine, plan.model, plan.technique)

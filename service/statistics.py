@@ -20,7 +20,7 @@ from service.random_numbers import cell_key
 from service.reference import CellReference
 from service.reference_store import plan_reference
 from service.sampling import Cells, CellSums, Journal
-from service.scene import Question, Scene, SeriesPlan, radians
+from service.scene import Question, Scene, SeriesPlan
 from service.verdict import Evidence, finite_or_none, verdict
 
 REFERENCE_ANGLES = 16
@@ -84,8 +84,8 @@ def compute_statistics(
 
 def series_cells(plan: SeriesPlan, scene: Scene) -> Cells:
     """The cells of one series, one a view angle. Cosines are formed in double precision before they become float32."""
-    angles = [radians(angle) for angle in scene.angles_deg]
-    x, y = math.cos(radians(plan.azimuth_deg)), math.sin(radians(plan.azimuth_deg))
+    angles = [math.radians(angle) for angle in scene.angles_deg]
+    x, y = math.cos(math.radians(plan.azimuth_deg)), math.sin(math.radians(plan.azimuth_deg))
     wo = np.array([(x * math.sin(angle), y * math.sin(angle), math.cos(angle)) for angle in angles], np.float32)
     keys = np.array([cell_key(scene.estimator.seed, angle, plan.azimuth_deg) for angle in scene.angles_deg], np.uint32)
     row = np.array([list(plan.parameters.values())], np.float32)

@@ -24,7 +24,7 @@ from service.estimators.quadrature import LEAST_VARIANCE
 from service.probe import Probe
 from service.reference import CellReference
 from service.sampling import Cells
-from service.scene import SeriesPlan, radians
+from service.scene import SeriesPlan
 
 WORST = 1e-2
 """A value whose relative error may be larger than this is not given."""
@@ -86,8 +86,8 @@ def _tail_index(probe: Probe, cells: Cells, chosen: NDArray[np.bool_]) -> Array:
 
 
 def _cells(plan: SeriesPlan, probe: Probe, theta_o_deg: Sequence[float]) -> Cells:
-    phi = radians(plan.azimuth_deg)
-    theta = [radians(angle) for angle in theta_o_deg]
+    phi = math.radians(plan.azimuth_deg)
+    theta = [math.radians(angle) for angle in theta_o_deg]
     wo = np.array([(math.sin(t) * math.cos(phi), math.sin(t) * math.sin(phi), math.cos(t)) for t in theta])
     row = [plan.parameters.get(name, parameter.default) for name, parameter in probe.declared.items()]
     return Cells(wo, np.zeros((len(wo), 2), np.uint32), np.tile(np.array(row, np.float64), (len(wo), 1)))

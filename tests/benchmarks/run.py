@@ -37,7 +37,7 @@ from service.estimators.sampled import open_sampler
 from service.left_out import features_left_out, structure_without
 from service.moments import from_power_sums
 from service.reference_store import plan_reference
-from service.scene import Question, SeriesPlan, parse_scene, radians, resolve
+from service.scene import Question, SeriesPlan, parse_scene, resolve
 from service.statistics import series_cells
 
 TECHNIQUES = ("cosine", "uniform", "ltc-nonnegative", "ltc", "cltc", "cltc-mis")
@@ -149,7 +149,7 @@ def started(peer: Peer) -> Iterator[Program]:
 
 def rates(engine: Engine, question: Question, samples: int, rounds: int) -> dict:
     """Samples a second of every program and technique, and our rate over each peer's, round by round."""
-    angles = [radians(angle) for angle in question.scene.angles_deg]
+    angles = [math.radians(angle) for angle in question.scene.angles_deg]
     seconds: dict[str, dict[str, list[float]]] = {OURS: {name: [] for name in TECHNIQUES}}
     busy: dict[str, dict[str, list[float]]] = {OURS: {name: [] for name in TECHNIQUES}}
     with ExitStack() as stack:
