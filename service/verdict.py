@@ -13,7 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from service.moments import Statistics
+from service.moments import Statistics, bernstein_half_width
 from service.reference import CellReference
 from service.scene import Estimator
 
@@ -267,18 +267,6 @@ def _unreached(e: Evidence, statistics: Statistics) -> list[dict[str, Any] | Non
         if e.estimator.tolerance is not None
         else None,
     ]
-
-
-def bernstein_half_width(
-    variance: NDArray[np.float64], bound: NDArray[np.float64], samples: int, false_alarm: float
-) -> NDArray[np.float64]:
-    """Half width of a two-sided interval for the mean of `samples` weights in [0, bound] with this variance
-    (Bernstein).
-    """
-    log_term = math.log(2.0 / false_alarm)
-    linear = np.where(np.isfinite(bound), bound, 0.0) * log_term / 3.0
-    spread = np.where(np.isfinite(variance), variance, 0.0)
-    return (linear + np.sqrt(linear**2 + 2.0 * samples * spread * log_term)) / samples
 
 
 def _tails(e: Evidence, statistics: Statistics) -> list[dict[str, Any] | None]:

@@ -17,7 +17,7 @@ from service.engine import Engine
 from service.estimators.cubature import Goal, Integrals, Values, integrate
 from service.estimators.estimate import Estimate
 from service.estimators.panels import NODES, POINTS, SIDE, Array, Panels
-from service.moments import Statistics
+from service.moments import Statistics, central_moments
 from service.sampling import CELL, TIMEOUT_S, Cells, IncompleteRun
 from service.scene import Estimator, SeriesPlan
 from service.structure import Structure
@@ -97,13 +97,12 @@ def quadrature(
 
 
 def _statistics(found: Integrals, finite: Bools) -> Statistics:
-    a, b, c, d = found.powers
-    variance = np.where(finite, np.maximum(b - a * a, 0.0), np.nan)
-    fourth = np.maximum(d - 4 * a * c + 6 * a * a * b - 3 * a**4, 0.0)
+    second, fourth = central_moments(found.powers)
+    variance = np.where(finite, second, np.nan)
     with np.errstate(divide="ignore", invalid="ignore"):
         kurtosis = np.where(variance > 0, fourth / variance**2, 1.0)
     return Statistics(
-        mean=found.shift + a,
+        mean=found.shift + found.powers[0],
         mean_stderr=found.mean_error,
         variance=variance,
         variance_stderr=np.where(finite, found.variance_error, np.nan),

@@ -4,24 +4,20 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from service.engine import Engine
 from service.estimators.estimate import Estimate
-from service.moments import Statistics, from_power_sums
+from service.moments import Statistics, central_moments, from_power_sums
 from service.random_numbers import random_pairs, replicate_key, scrambled_sobol_pairs
 from service.sampling import Cells, CellSums, Journal, Sampler
 from service.scene import Estimator, SeriesPlan
 from service.structure import Structure
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 Advance = Callable[[int], None]
 REPLICATES = 16
@@ -203,14 +199,14 @@ def _pooled(sums: CellSums, shape: tuple[int, int], moments: int) -> Statistics:
     """
     replicates = shape[0]
     n = np.maximum(sums.counted, 1).astype(np.float64)
-    a, b, c, d = (row.reshape(shape) for row in sums.powers / n)
+    powers = [row.reshape(shape) for row in sums.powers / n]
+    a, b, c, _ = powers
     means = sums.shift.reshape(shape) + a
     mean = means.mean(axis=0)
     offset = means - mean
-    second = np.maximum(b - a * a, 0.0)
-    squares = second + offset * offset
+    second, fourth = central_moments(powers)
     third = c - 3 * a * b + 2 * a**3
-    fourth = np.maximum(d - 4 * a * c + 6 * a * a * b - 3 * a**4, 0.0)
+    squares = second + offset * offset
     central4 = (fourth + 4 * third * offset + 6 * second * offset**2 + offset**4).mean(axis=0)
     mean_stderr = means.std(axis=0, ddof=1) / math.sqrt(replicates)
     variance = squares.mean(axis=0) + mean_stderr**2

@@ -12,10 +12,10 @@ import pytest
 
 from service import sampling
 from service.catalogue import SHADERS, load_catalogue, read_entry
+from service.moments import bernstein_half_width
 from service.reference import cell_reference, load_model, load_technique
 from service.scene import parse_scene, resolve
 from service.statistics import compute_statistics, series_cells
-from service.verdict import bernstein_half_width
 from tests.service.conftest import view
 
 CONVERGENT = ["cosine", "uniform", "ltc-nonnegative", "cltc-mis"]

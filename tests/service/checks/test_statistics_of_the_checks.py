@@ -1,4 +1,4 @@
-"""The mathematics behind the checks, on cases with known answers: quadrature, chi-square, tails, intervals."""
+"""The mathematics behind the checks, on cases with known answers: quadrature, chi-square, tails."""
 
 import math
 
@@ -7,9 +7,7 @@ import pytest
 from scipy import stats
 
 from service.checks.binning import EXPECTED_AT_LEAST, chi_square, partition, upper_tail
-from service.checks.effort import FALSE_ALARM
 from service.checks.regions import Known, coordinates, cut, directions, grid, integrate
-from service.checks.sampled import _bernstein
 from service.checks.tails import FITTED, INFINITE_VARIANCE, KEPT, UNBOUNDED, tail_index
 
 
@@ -170,13 +168,3 @@ def test_a_bounded_weight_has_no_index_even_with_a_high_narrow_peak():
     peak = 1 / (1e-3 + np.sqrt(probability))  # grows like a power law up to 1000, then stops
     assert tail_index(peak) > UNBOUNDED
     assert len(peak) > 2 * FITTED
-
-
-def test_the_interval_of_the_mean_holds_at_its_rate():
-    """Weights in [0, 50] with a rare tail; 20,000 means, of which none may lie outside at a rate of 1e-5."""
-    rng = np.random.default_rng(3)
-    share, n = 0.01, 2000
-    variance = share * (1 - share) * 50**2
-    means = rng.binomial(n, share, 20_000) * 50 / n
-    assert np.all(np.abs(means - share * 50) < _bernstein(variance, 50, n, FALSE_ALARM))
-    assert _bernstein(variance, 50, n, FALSE_ALARM) < 3 * 4.4 * math.sqrt(variance / n)
