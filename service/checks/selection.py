@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from service.catalogue import Catalogue, Entry, own_text
+from service.catalogue import Catalogue, Entry, is_file, own_text
 from service.errors import BadInput, Problem
 
 DEFAULT_MODEL = "eon"
@@ -41,11 +41,6 @@ def replay_command(given: str, inputs: Mapping[str, Any]) -> str:
         if f"{name}_bits" in inputs:
             words += [f"--{name}", ",".join(inputs[f"{name}_bits"])]
     return shlex.join(words)
-
-
-def is_file(given: str) -> bool:
-    """Whether the subject is a path rather than a name of the catalogue."""
-    return given.endswith(".glsl") or "/" in given
 
 
 def select(
