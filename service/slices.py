@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -73,16 +73,3 @@ def _in_plane(theta: NDArray[np.float64], azimuth: float) -> NDArray[np.float64]
     """Directions (n, 3) at these angles to the normal, in the vertical plane of an azimuth; radians."""
     sines = np.sin(theta)
     return np.stack([sines * math.cos(azimuth), sines * math.sin(azimuth), np.cos(theta)], axis=1)
-
-
-def values_in_plane(
-    engine: Engine, model: str, parameters: Mapping[str, float], theta_o: float, theta_i: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], float]:
-    """BRDF in 1/sr for directions in the x-z plane, of which x > 0 is the view's side, and the model's own albedo.
-
-    Angles are radians; the albedo is 0 where the model declares none.
-    """
-    probe = Probe(engine, engine.catalogue.model(model), engine.catalogue.technique("cosine"))
-    wo, wi = _in_plane(np.array([theta_o]), 0.0), _in_plane(theta_i, 0.0)
-    found = probe.evaluate(wo, wi, np.array([[parameters[name] for name in probe.names]]))
-    return found.brdf.astype(np.float64), float(found.albedo[0])
