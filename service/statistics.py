@@ -116,41 +116,41 @@ def _head(plan: SeriesPlan, scene: Scene) -> dict[str, Any]:
 
 
 def _reference(plan: SeriesPlan, scene: Scene, engine: Engine, pause: Callable[[], None]) -> list[CellReference] | None:
-    """The reference of every angle, None where there is none or it was not asked for. `pause` is called time and again:
-    a reference takes milliseconds a cell the first time.
+    """The reference of every angle, None where there is none or it was not asked for.
+
+    `pause` is called time and again: a reference takes milliseconds a cell the first time.
     """
     if not scene.reference:
         return None
-    cells: list[CellReference] = []
+    reference: list[CellReference] = []
     for first in range(0, len(scene.angles_deg), REFERENCE_ANGLES):
         pause()
         angles = scene.angles_deg[first : first + REFERENCE_ANGLES]
         found = plan_reference(plan, angles, engine)
         if found is None:
             return None
-        cells += found
-    return cells
+        reference += found
+    return reference
 
 
 def _series(
     plan: SeriesPlan, scene: Scene, engine: Engine, advance: Callable[[int], None], journal: Journal | None
 ) -> tuple[dict[str, Any], Estimate]:
     """One series of the result, and the estimate that it was made of."""
-    angles = scene.angles_deg
-    cells = _reference(plan, scene, engine, lambda: advance(0))
+    reference = _reference(plan, scene, engine, lambda: advance(0))
     structure = structure_without(features_left_out(plan, scene))
-    found = estimate(plan, scene, engine, series_cells(plan, scene), cells, structure, advance, journal)
+    found = estimate(plan, scene, engine, series_cells(plan, scene), reference, structure, advance, journal)
     entry = _head(plan, scene)
     if found.statistics is not None:
-        entry |= _moment_columns(scene, found.statistics, cells)
+        entry |= _moment_columns(scene, found.statistics, reference)
     if "max_weight" in scene.statistics:
         entry["max_weight"] = finite_or_none(found.largest)
     evidence = Evidence(
-        theta_o_deg=angles,
+        theta_o_deg=scene.angles_deg,
         estimator=found.estimator,
         sums=found,
         statistics=found.statistics,
-        reference=cells,
+        reference=reference,
         replay=_replays(plan, scene, found),
     )
     if found.zero_fraction is not None:
@@ -159,7 +159,7 @@ def _series(
         "nonfinite": found.nonfinite.tolist(),
         "samples": found.estimator.samples,
         "estimator": found.estimator.model_dump(mode="json", exclude_none=True),
-        "reference": _reference_columns(scene, found, cells),
+        "reference": _reference_columns(scene, found, reference),
         "verdict": verdict(evidence),
         "device_ms": found.device_ns / 1e6,
     }, found
@@ -171,55 +171,56 @@ def _azimuth(plan: SeriesPlan) -> dict[str, float]:
 
 
 def _moment_columns(
-    scene: Scene, statistics: Statistics, cells: Sequence[CellReference] | None
+    scene: Scene, statistics: Statistics, reference: Sequence[CellReference] | None
 ) -> dict[str, list[float | None]]:
     """Mean and variance with their standard errors; null where the moment behind a standard error is infinite.
 
     A quadrature gives no variance where it is infinite, and bounds of its own error in place of standard errors. A
     moment that the reference does not know counts as finite.
     """
-    variance = np.array([cell.variance for cell in cells]) if cells else np.zeros(len(statistics.mean))
-    fourth = np.array([cell.fourth_moment for cell in cells]) if cells else np.zeros(len(statistics.mean))
-    by_rule = ~np.isinf(variance) & np.isnan(statistics.variance_stderr)
+
+    def infinite(moment: str) -> NDArray[np.bool_] | np.bool_:
+        return np.isinf([getattr(cell, moment) for cell in reference]) if reference else np.False_
+
     columns = {}
     if "mean" in scene.statistics:
         columns["mean"] = finite_or_none(statistics.mean)
         if scene.error_bars:
-            known = ~np.isinf(variance) | (scene.estimator.method in (None, "quadrature"))
-            columns["mean_stderr"] = finite_or_none(np.where(known, statistics.mean_stderr, np.nan))
+            meaningless = infinite("variance") & (scene.estimator.method in ("mc", "qmc"))
+            columns["mean_stderr"] = finite_or_none(np.where(meaningless, np.nan, statistics.mean_stderr))
     if "variance" in scene.statistics:
         columns["variance"] = finite_or_none(statistics.variance)
         if scene.error_bars:
-            known = ~np.isinf(fourth) & ~by_rule
-            columns["variance_stderr"] = finite_or_none(np.where(known, statistics.variance_stderr, np.nan))
+            meaningless = infinite("fourth_moment")
+            columns["variance_stderr"] = finite_or_none(np.where(meaningless, np.nan, statistics.variance_stderr))
     return columns
 
 
 def _reference_columns(
-    scene: Scene, found: Estimate, cells: Sequence[CellReference] | None
+    scene: Scene, found: Estimate, reference: Sequence[CellReference] | None
 ) -> dict[str, list[float | None]] | None:
     """The reference as columns, and the relative errors of the estimate against it.
 
     `variance_stderr` is the standard error to expect of a variance from this many independent samples; an uncertainty
     is what the reference itself may be off by. A null without a finding that says why is not known.
     """
-    if cells is None:
+    if reference is None:
         return None
     n = found.estimator.samples
     spread = [
         math.sqrt(max(0.0, cell.fourth_moment - cell.variance**2 * (n - 3) / max(1, n - 1)) / n)
         if math.isfinite(cell.fourth_moment)
         else math.inf
-        for cell in cells
+        for cell in reference
     ]
     exact = ("mean", "albedo", "variance", "max_weight")
     uncertain = ("mean_uncertainty", "albedo_uncertainty", "variance_uncertainty")
-    columns = {name: finite_or_none(getattr(cell, name) for cell in cells) for name in (*exact, *uncertain)}
+    columns = {name: finite_or_none(getattr(cell, name) for cell in reference) for name in (*exact, *uncertain)}
     columns["variance_stderr"] = finite_or_none(spread)
     if found.statistics is not None and "mean" in scene.statistics:
-        columns["mean_error"] = _relative_errors(found.statistics.mean, [cell.mean for cell in cells])
+        columns["mean_error"] = _relative_errors(found.statistics.mean, [cell.mean for cell in reference])
     if found.statistics is not None and "variance" in scene.statistics:
-        columns["variance_error"] = _relative_errors(found.statistics.variance, [cell.variance for cell in cells])
+        columns["variance_error"] = _relative_errors(found.statistics.variance, [cell.variance for cell in reference])
     return columns
 
 
