@@ -60,20 +60,20 @@ def quadrature(
     engine: Engine,
     cells: Cells,
     estimator: Estimator,
-    finite: Bools,
-    wanted: bool,
+    finite_variance: Bools,
+    with_variance: bool,
     structure: Structure = _ALL,
 ) -> Estimate:
     """Mean and variance to the tolerance of the estimator, as estimated by the rule itself.
 
-    finite: which cells have a variance, shape (cells,), True where nothing is known. wanted: whether the variance is
-    asked for at all; if not, only the mean has to reach the tolerance.
+    finite_variance: which cells have a variance, shape (cells,), True where nothing is known. with_variance: whether
+    the variance is asked for at all; if not, only the mean has to reach the tolerance.
     """
     begin = time.perf_counter()
     constants = structure.shared_constants(plan.model, [plan.technique])
     pipeline = engine.pipeline(plan.model, plan.technique, "quadrature", constants)
     tolerance = estimator.tolerance or DEFAULT_TOLERANCE
-    goal = Goal(tolerance, LEAST_VARIANCE, finite & wanted, max(MOST_NODES, estimator.samples // 8))
+    goal = Goal(tolerance, LEAST_VARIANCE, finite_variance & with_variance, max(MOST_NODES, estimator.samples // 8))
     with Evaluator(engine.device, pipeline, cells) as evaluate:
         built_ms = 1e3 * (time.perf_counter() - begin)
         found = integrate(len(cells), "u1_split" in plan.technique.declared, goal, evaluate)
@@ -82,7 +82,7 @@ def quadrature(
         estimator=estimator.model_copy(
             update={"method": "quadrature", "samples": int(found.nodes.max()), "tolerance": tolerance}
         ),
-        statistics=_statistics(found, finite & ~found.growing),
+        statistics=_statistics(found, finite_variance & ~found.growing),
         zero_fraction=np.clip(found.zero, 0.0, 1.0),
         largest=found.largest,
         nonfinite=found.nonfinite,
@@ -96,17 +96,17 @@ def quadrature(
     )
 
 
-def _statistics(found: Integrals, finite: Bools) -> Statistics:
+def _statistics(found: Integrals, finite_variance: Bools) -> Statistics:
     second, fourth = central_moments(found.powers)
-    variance = np.where(finite, second, np.nan)
+    variance = np.where(finite_variance, second, np.nan)
     with np.errstate(divide="ignore", invalid="ignore"):
         kurtosis = np.where(variance > 0, fourth / variance**2, 1.0)
     return Statistics(
         mean=found.shift + found.powers[0],
         mean_stderr=found.mean_error,
         variance=variance,
-        variance_stderr=np.where(finite, found.variance_error, np.nan),
-        kurtosis=np.where(finite, kurtosis, np.nan),
+        variance_stderr=np.where(finite_variance, found.variance_error, np.nan),
+        kurtosis=np.where(finite_variance, kurtosis, np.nan),
     )
 
 

@@ -251,7 +251,7 @@ def time_to_error(engine: Engine, question: Question, measured: dict) -> dict:
         runs = []
         for _ in range(5):
             begin = time.perf_counter()
-            found = quadrature(plan, engine, series_cells(plan, question.scene), estimator, finite, wanted=True)
+            found = quadrature(plan, engine, series_cells(plan, question.scene), estimator, finite, with_variance=True)
             runs.append((found.device_ns / 1e9, time.perf_counter() - begin))
         spent, elapsed = np.median([run[0] for run in runs]), np.median([run[1] for run in runs])
         device += spent
