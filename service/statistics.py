@@ -27,7 +27,7 @@ REFERENCE_ANGLES = 16
 """Cells whose reference is computed at a time: tenths of a second, so that an interruption is prompt."""
 
 Progress = Callable[[str, int, int], None]
-"""Called with what is being done, how many samples are done, and how many there will be."""
+"""Called with what is being done, how much of the work is done, and how much there is (samples, or steps)."""
 
 
 def compute_statistics(

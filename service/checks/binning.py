@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from service.checks.regions import TURN, Boxes
+from service.checks.sphere_quadrature import TURN, Boxes
 
 Array = NDArray[Any]
 EXPECTED_AT_LEAST = 20.0

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from service.checks.inputs import bits
 from service.checks.outcome import plain
 from service.checks.selection import Subject
-from service.checks.subject import bits
 from service.engine import Engine
 from service.errors import BadInput, Problem
 from service.probe import Probe, Values

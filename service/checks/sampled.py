@@ -1,6 +1,4 @@
-"""Checks of many drawn directions against integrals of the density: normalisation, chi-square, coverage, mean
-weight.
-"""
+"""Checks of many drawn directions against integrals of the density: normalisation, chi-square, coverage, mean."""
 
 from __future__ import annotations
 
@@ -13,9 +11,9 @@ from numpy.typing import NDArray
 
 from service.checks.binning import ChiSquare, Tree, boxes_of, chi_square, is_certain, partition
 from service.checks.effort import FALSE_ALARM, Effort
+from service.checks.inputs import Cells, cells_of, replay
 from service.checks.outcome import Outcome, failed, not_applicable, passed
-from service.checks.regions import Integrals, Known, coordinates, cut, integrate
-from service.checks.subject import Cells, cells_of, replay
+from service.checks.sphere_quadrature import Integrals, Known, coordinates, cut, integrate
 from service.moments import bernstein_half_width
 from service.probe import Probe, Values
 from service.random_numbers import cell_key, random_pairs
@@ -42,9 +40,7 @@ EXPECTED_REST = 1e-4
 """Share of samples without a density from which they are a bin of their own."""
 
 TRUNCATION = 8.0
-"""Weights are compared up to so many times the 99.9th percentile of the pilot: a mean with known bounds, whatever
-the tail.
-"""
+"""Weights are compared up to so many times their 99.9th percentile: a mean with known bounds, whatever the tail."""
 
 
 @dataclass(frozen=True)

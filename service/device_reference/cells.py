@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from service.checks.effort import FULL
-from service.checks.subject import Cells as Views
+from service.checks.inputs import Cells as Views
 from service.checks.tails import INFINITE_VARIANCE, follow
 from service.device_reference.drawn import draw
 from service.device_reference.hemisphere import Albedo, albedos

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -19,9 +19,9 @@ from service.scene import Question
 from service.stability import regions
 from service.stability.stiffness import condition_numbers, direction_rounding_effect, rounding_effect
 from service.stability.survey import Comparison, Points, compare, edge_points
+from service.statistics import Progress
 
 Array = NDArray[Any]
-Progress = Callable[[str, int, int], None]
 CONDITION_POINTS = 1 << 14
 AT_HORIZON = 16 * 2.0**-24
 

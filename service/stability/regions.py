@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from service.checks.inputs import bits
 from service.checks.outcome import plain
-from service.checks.subject import bits
 from service.probe import Probe
 from service.stability.grid import EDGE_TURNS, NEXT_TO_SEAMS
 from service.stability.survey import DIRECTION_ULP, SMALLEST, Comparison, Points, last_place

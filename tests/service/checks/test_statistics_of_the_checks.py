@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 
 from service.checks.binning import EXPECTED_AT_LEAST, chi_square, partition, upper_tail
-from service.checks.regions import Known, coordinates, cut, directions, grid, integrate
+from service.checks.sphere_quadrature import Known, coordinates, cut, directions, grid, integrate
 from service.checks.tails import FITTED, INFINITE_VARIANCE, KEPT, UNBOUNDED, tail_index
 
 

@@ -1,4 +1,4 @@
-"""What the battery looks at: a probe, and the parameter settings and views at which it looks."""
+"""The inputs at which the battery looks: parameter settings, views, and how a failure names its own for a replay."""
 
 from __future__ import annotations
 
@@ -40,9 +40,7 @@ def view_directions(theta_o: Array, phi_o: Array) -> Array:
 
 
 def settings(declared: Mapping[str, Parameter], count: int) -> Array:
-    """Up to `count` rows of parameter values (float32): the defaults, inner points, each range's ends alone, all
-    ends.
-    """
+    """Up to `count` rows of parameter values in float32: defaults, inner points, each range's ends alone, all ends."""
     columns = list(declared.values())
     default = [p.default for p in columns]
     rows = [default]
