@@ -37,7 +37,9 @@ _LAST = 1.0 - 2.0**-53
 
 @dataclass(frozen=True)
 class Tails:
-    """Thresholds (levels, cells) with P(w > threshold) = 4^-level, the largest weight found, and where (cells, 2)."""
+    """Thresholds (levels, cells) of levels 1, 2, ... with P(w > threshold) = 4^-level, the largest weight found, and
+    where (cells, 2).
+    """
 
     cells: Cells
     thresholds: Array
@@ -160,7 +162,7 @@ def check_supremum(probe: Probe, t: Tails) -> Outcome:
         "bound"
     )
     worst = int(np.argmin(t.index))
-    exceeded = t.thresholds[min(6, len(t.thresholds) - 1)]
+    exceeded = t.thresholds[6 - 1]  # by one sample in 4^6
     if t.index[worst] >= UNBOUNDED:
         top = int(np.argmax(t.largest))
         return passed(
