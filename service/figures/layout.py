@@ -30,7 +30,7 @@ class Sheet:
 
     result: Mapping[str, Any]
     series: Sequence[Series]
-    swept: Mapping[str, str]
+    swept: Sequence[str]
 
     @classmethod
     def of(cls, result: Mapping[str, Any]) -> Sheet:
@@ -57,7 +57,7 @@ class Sheet:
 
     def values_label(self, one: Series) -> str:
         """Return the values of what is swept: `roughness 0.25`; empty where nothing is."""
-        return ", ".join(f"{shown} {swept_value(one, name)}" for name, shown in self.swept.items())
+        return ", ".join(f"{name} {swept_value(one, name)}" for name in self.swept)
 
     def technique_label(self, technique: str) -> str:
         """Return the technique's name in the legend, which says where sampled values have no limit."""
@@ -160,13 +160,14 @@ def _labels(sheet: Sheet, one: Series, labels: Mapping[str, str]) -> dict[str, A
 def technique_lines(sheet: Sheet, labels: Mapping[str, str]) -> Lines:
     """Return the lines of a chart whose colours are techniques."""
     styles = style.technique_styles(list(labels))
-    return Lines("technique", None, list(labels.values()), [s[0] for s in styles], [s[1] for s in styles], sheet.count)
+    colours, dashes = zip(*styles, strict=True)
+    return Lines("technique", list(labels.values()), colours, dashes, panels=sheet.count)
 
 
 def value_lines(sheet: Sheet) -> Lines:
     """Return the lines of a chart whose colours are the values of what is swept, dark to light."""
     labels = list(dict.fromkeys(sheet.values_label(one) for one in sheet.series))
-    return Lines("parameters", None, labels, style.sequence(len(labels)), panels=max(2, sheet.count))
+    return Lines("parameters", labels, style.sequence(len(labels)), panels=max(2, sheet.count))
 
 
 def with_data(chart: AnyChart, datasets: Datasets) -> AnyChart:

@@ -24,7 +24,6 @@ class Lines:
     """
 
     field: str
-    title: str | None
     labels: Sequence[str]
     colours: Sequence[str]
     dashes: Sequence[style.Dash] | None = None
@@ -35,14 +34,14 @@ class Lines:
         scale = alt.Scale(domain=list(self.labels), range=list(self.colours))
         # A long name takes the width of a panel, a short one a third of it.
         columns = min(len(self.labels), self.panels * (1 if max(map(len, self.labels)) > 16 else 3))
-        return alt.Color(f"{self.field}:N", scale=scale, legend=alt.Legend(title=self.title, columns=columns))
+        return alt.Color(f"{self.field}:N", scale=scale, legend=alt.Legend(title=None, columns=columns))
 
     def dash(self) -> dict[str, Any]:
         """Return the encoding of dashes, merged into the same legend; empty where all lines are solid."""
         if self.dashes is None:
             return {}
         scale = alt.Scale(domain=list(self.labels), range=[list(dash) for dash in self.dashes])
-        return {"strokeDash": alt.StrokeDash(f"{self.field}:N", scale=scale, legend=alt.Legend(title=self.title))}
+        return {"strokeDash": alt.StrokeDash(f"{self.field}:N", scale=scale, legend=alt.Legend(title=None))}
 
 
 def panel(

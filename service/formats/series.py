@@ -163,8 +163,8 @@ def parameter_names(series: Sequence[Series]) -> list[str]:
     return list(dict.fromkeys(name for one in series for name in one.parameters))
 
 
-def swept(series: Sequence[Series]) -> dict[str, str]:
-    """Return what distinguishes series of one technique: model, parameter or `phi_o_deg` -> its name in print."""
+def swept(series: Sequence[Series]) -> list[str]:
+    """Return what distinguishes series of one technique: `model`, names of parameters, `phi_o_deg`."""
     groups: dict[tuple[str, str], list[Series]] = {}
     for one in series:
         groups.setdefault((one.model, one.technique), []).append(one)
@@ -173,8 +173,7 @@ def swept(series: Sequence[Series]) -> dict[str, str]:
         return any(len({swept_value(one, name) for one in group}) > 1 for group in groups.values())
 
     names = ["model"] if len({one.model for one in series}) > 1 else []
-    names += [name for name in (*parameter_names(series), "phi_o_deg") if varies(name)]
-    return {name: name for name in names}
+    return names + [name for name in (*parameter_names(series), "phi_o_deg") if varies(name)]
 
 
 def swept_value(one: Series, name: str) -> str:

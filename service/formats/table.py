@@ -29,7 +29,7 @@ def statistics_table(result: Mapping[str, Any], width: int = WIDTH) -> str:
     series = read(result)
     names = swept(series)
     panels = [
-        (title, [_column(one, statistic, list(names)) for one in series])
+        (title, [_column(one, statistic, names) for one in series])
         for statistic, title in _PANELS
         if any(one.values(statistic) is not None for one in series)
     ]
@@ -40,13 +40,13 @@ def statistics_table(result: Mapping[str, Any], width: int = WIDTH) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def _question(series: Sequence[Series], names: Mapping[str, str]) -> str:
+def _question(series: Sequence[Series], names: Sequence[str]) -> str:
     fixed = [f"{name} {value:.6g}" for name, value in series[0].parameters.items() if name not in names]
     return ", ".join([series[0].model, *fixed])
 
 
-def _head_column(series: Sequence[Series], names: Mapping[str, str]) -> list[str]:
-    return ["theta_o_deg", *names.values(), *(angle_texts(series[0].theta_o_deg) if series else [])]
+def _head_column(series: Sequence[Series], names: Sequence[str]) -> list[str]:
+    return ["theta_o_deg", *names, *(angle_texts(series[0].theta_o_deg) if series else [])]
 
 
 def angle_texts(angles: Sequence[float]) -> list[str]:

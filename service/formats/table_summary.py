@@ -12,12 +12,12 @@ from service.formats.series import Series, swept_value
 _INDENT = "    "
 
 
-def name_of(one: Series, names: Mapping[str, str]) -> str:
+def name_of(one: Series, names: Sequence[str]) -> str:
     """Return the technique with the values of what is swept: `cosine roughness=0.25`."""
-    return " ".join([one.technique, *(f"{shown}={swept_value(one, name)}" for name, shown in names.items())])
+    return " ".join([one.technique, *(f"{name}={swept_value(one, name)}" for name in names)])
 
 
-def legend(series: Sequence[Series], names: Mapping[str, str], width: int) -> str:
+def legend(series: Sequence[Series], names: Sequence[str], width: int) -> str:
     """Return what the signs in the tables mean, for those that occur."""
     lines = []
     if any(one.values(name) for one in series for name in ("mean_stderr", "variance_stderr")):
@@ -34,7 +34,7 @@ def legend(series: Sequence[Series], names: Mapping[str, str], width: int) -> st
     return "\n".join(row for line in lines for row in textwrap.wrap(line, width, subsequent_indent=_INDENT))
 
 
-def _tail(one: Series, names: Mapping[str, str]) -> str:
+def _tail(one: Series, names: Sequence[str]) -> str:
     known = [
         (strength, angle) for strength, angle in zip(one.tail_strength or [], one.theta_o_deg, strict=False) if strength
     ]
@@ -44,7 +44,7 @@ def _tail(one: Series, names: Mapping[str, str]) -> str:
     return f"{_INDENT}{name_of(one, names)}: tail strength up to {plain(strength, 3)}, at {angle:.6g} deg."
 
 
-def summary(series: Sequence[Series], names: Mapping[str, str], width: int) -> str:
+def summary(series: Sequence[Series], names: Sequence[str], width: int) -> str:
     """Return a line for each series (samples, time, speed, verdict), the messages of its findings below it."""
     head = ["series", "samples per angle", "nonfinite", "device ms", "Msamples/s", "verdict"]
     rows = [head, *(_summary_row(one, names) for one in series)]
@@ -63,7 +63,7 @@ def summary(series: Sequence[Series], names: Mapping[str, str], width: int) -> s
     return "\n".join(lines) if series else ""
 
 
-def _summary_row(one: Series, names: Mapping[str, str]) -> list[str]:
+def _summary_row(one: Series, names: Sequence[str]) -> list[str]:
     samples = [value for value in one.values("samples") or [] if value is not None]
     nonfinite = one.values("nonfinite")
     elapsed = one.raw.get("device_ms")

@@ -46,9 +46,8 @@ def arrays(result: Result) -> dict[str, np.ndarray]:
     table = list(zip(*each, strict=True)) or [() for _ in columns]
     out = {}
     for name, values in zip(columns, table, strict=True):
-        text = any(isinstance(value, str) for value in values)
-        plainly = [np.nan if value is None else value for value in values]
-        out[name] = np.array(plainly, dtype=np.str_ if text else np.float64)
+        kind = np.str_ if any(isinstance(value, str) for value in values) else np.float64
+        out[name] = np.array([np.nan if value is None else value for value in values], dtype=kind)
     for name in ("scene", "ranking", "efficiency", "run"):
         out[name] = np.array(strict_json.line(result.get(name)), dtype=np.str_)
     return out

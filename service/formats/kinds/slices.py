@@ -42,8 +42,9 @@ def text(result: Result) -> str:
     shown = range(0, len(angles), max(1, len(angles) // 12))
     lines = ["in 1/sr, over theta_i in degrees; positive angles are on the view's side"]
     for title, name, column in (("f cos(theta_i)", "model", "value"), ("density", "technique", "pdf")):
-        rows = {f"{one[name]:<22}{one['theta_o_deg']:>8.4g}" + _values(one[column], shown): None for one in series}
-        lines += ["", f"{title:<22}{'theta_o':>8}" + "".join(f"{angles[k]:>8.0f}" for k in shown), *rows]
+        lines += ["", f"{title:<22}{'theta_o':>8}" + "".join(f"{angles[k]:>8.0f}" for k in shown)]
+        each = (f"{one[name]:<22}{one['theta_o_deg']:>8.4g}" + _values(one[column], shown) for one in series)
+        lines += dict.fromkeys(each)  # a model's values are the same for every technique
     return "\n".join(lines) + "\n"
 
 
