@@ -149,17 +149,14 @@ def _exceptions(
 
 def _check(technique: str, counts: Mapping[str, int], bad: Mapping[str, Any] | None) -> dict[str, Any]:
     failed = counts["nonfinite"] or counts["wrong"]
-    message = (
-        f"{counts['points']:,} points of the edge grid: {counts['nonfinite']:,} not finite, "
-        f"{counts['wrong']:,} unstable"
-    )
+    found = f"{counts['nonfinite']:,} not finite, {counts['wrong']:,} unstable"
+    limit = f"within {regions.ULP_LIMIT:g} ulp, or listed with its reason"
     return {
         "name": "stability",
         "technique": technique,
         "status": "fail" if failed else "pass",
-        "message": message,
+        "message": f"{counts['points']:,} points of the edge grid: {found}",
         "evidence": dict(counts),
-        "power": f"float32 against the same code in float64; within {regions.ULP_LIMIT:g} ulp, or listed "
-        f"with its reason",
+        "power": f"float32 against the same code in float64; {limit}",
         "replay": plain(bad["inputs"]) if failed and bad else None,
     }
