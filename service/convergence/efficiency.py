@@ -46,7 +46,7 @@ def efficiency_table(question: Question, engine: Engine, costs: Mapping[str, Cos
     names = list(plans)
     return {
         "parameters": rows,
-        "techniques": list(plans),
+        "techniques": names,
         "theta_o_deg": ANGLES_DEG,
         "efficiency": [[[_value(x) for x in angles] for angles in row] for row in table],
         "winner": [[_winner(names, column) for column in row.T] for row in table],

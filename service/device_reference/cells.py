@@ -53,8 +53,8 @@ def device_reference(plan: SeriesPlan, engine: Engine, theta_o_deg: Sequence[flo
     albedo, largest = albedos(probe, cells, sky), suprema(probe, cells, moments.seen, drawn.splits)
     known = _known(moments, albedo)
     infinite = known & np.isinf(largest) & np.isinf(moments.variance)
-    open_ = known & np.isinf(largest) & ~infinite & ~_near(moments)
-    infinite[open_] = _tail_index(probe, cells, open_) < INFINITE_VARIANCE
+    undecided = known & np.isinf(largest) & ~infinite & ~_near(moments)
+    infinite[undecided] = _tail_index(probe, cells, undecided) < INFINITE_VARIANCE
     return _assemble(moments, albedo, np.where(known, largest, np.nan), known, infinite)
 
 
@@ -73,6 +73,7 @@ def _agree(m: WeightMoments, a: Albedo) -> NDArray[np.bool_]:
 
 
 def _near(m: WeightMoments) -> NDArray[np.bool_]:
+    """Where the variance has converged well enough to be given."""
     with np.errstate(invalid="ignore"):
         return np.asarray(m.variance_error <= WORST * np.maximum(m.variance, LEAST_VARIANCE / WORST))
 
@@ -100,19 +101,17 @@ def _assemble(
     albedo_known = a.trusted & (a.error <= np.where(mean_known & _agree(m, a), WORST, ALONE) * a.albedo)
     variance = np.where(infinite, np.inf, np.where(known & _near(m), m.variance, np.nan))
     uncovered_known = a.trusted & (a.uncovered_error <= WORST * np.maximum(a.albedo, 1e-300))
-    columns = np.stack(
-        [
-            np.where(mean_known, m.mean, np.nan),
-            np.where(albedo_known, a.albedo, np.nan),
-            variance,
-            np.where(infinite, np.inf, np.where(np.isnan(variance), np.nan, m.fourth)),
-            largest,
-            np.where(uncovered_known, a.uncovered, np.nan),
-            np.where(known, m.zero, np.nan),
-            np.zeros(len(m.mean)),
-            np.where(mean_known, m.mean_error, np.nan),
-            np.where(albedo_known, a.error, np.nan),
-            np.where(np.isnan(variance), np.nan, np.where(infinite, np.inf, m.variance_error)),
-        ]
-    )
-    return [CellReference(*(float(value) for value in cell)) for cell in columns.T]
+    columns = {
+        "mean": np.where(mean_known, m.mean, np.nan),
+        "albedo": np.where(albedo_known, a.albedo, np.nan),
+        "variance": variance,
+        "fourth_moment": np.where(infinite, np.inf, np.where(np.isnan(variance), np.nan, m.fourth)),
+        "max_weight": largest,
+        "uncovered": np.where(uncovered_known, a.uncovered, np.nan),
+        "zero_probability": np.where(known, m.zero, np.nan),
+        "tail_strength": np.zeros(len(m.mean)),
+        "mean_uncertainty": np.where(mean_known, m.mean_error, np.nan),
+        "albedo_uncertainty": np.where(albedo_known, a.error, np.nan),
+        "variance_uncertainty": np.where(np.isnan(variance), np.nan, np.where(infinite, np.inf, m.variance_error)),
+    }
+    return [CellReference(**{name: float(column[at]) for name, column in columns.items()}) for at in range(len(m.mean))]
