@@ -71,9 +71,7 @@ def error_curve_features(plan: SeriesPlan, method: str) -> tuple[Feature, ...]:
 
 
 def report(by_series: Sequence[Sequence[Feature]]) -> list[dict[str, Any]]:
-    """The block `left_out` of a result: each feature with its reason and the numbers of the series that it is left out
-    of.
-    """
+    """The block `left_out` of a result: each feature with its reason and the numbers of the series without it."""
     found: dict[tuple[str, str], list[int]] = {}
     for number, features in enumerate(by_series):
         for feature in features:

@@ -93,8 +93,9 @@ def series_cells(plan: SeriesPlan, scene: Scene) -> Cells:
 
 
 def partial_series(plan: SeriesPlan, scene: Scene, sums: CellSums) -> dict[str, Any]:
-    """What the sums of an unfinished run give, as a series that plots: its samples differ from angle to angle, and an
-    angle without any is null.
+    """What the sums of an unfinished run give, as a series that plots.
+
+    `samples` has an entry an angle, since they differ; an angle without any is null.
     """
     sampled = statistics_so_far(sums, len(scene.angles_deg), moments_needed(scene))
     entry = _head(plan, scene) | {"samples": sampled.samples.tolist()}

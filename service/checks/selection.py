@@ -31,9 +31,7 @@ class Subject:
 
 
 def replay_command(given: str, inputs: Mapping[str, Any]) -> str:
-    """The command that evaluates a model and technique at exact inputs; `given` is a file or a name of the
-    catalogue.
-    """
+    """The command that evaluates a model and technique at exact inputs; `given` is a file or a catalogue name."""
     words = ["samplerscope", "check", given, "--model", inputs["model"], "--technique", inputs["technique"]]
     for name, value in inputs["parameters"].items():
         words += ["--set", f"{name}={value!r}"]

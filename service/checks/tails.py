@@ -37,8 +37,10 @@ _LAST = 1.0 - 2.0**-53
 
 @dataclass(frozen=True)
 class Tails:
-    """Thresholds (levels, cells) of levels 1, 2, ... with P(w > threshold) = 4^-level, the largest weight found, and
-    where (cells, 2).
+    """What the search has found of every cell.
+
+    thresholds: P(w > threshold) = 4^-level for the levels 1, 2, ..., shape (levels, cells). largest: weight, (cells,).
+    u: where that is, (cells, 2).
     """
 
     cells: Cells

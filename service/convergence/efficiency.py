@@ -68,8 +68,10 @@ def _value(x: float) -> float | None:
 
 
 def _rows(question: Question, engine: Engine) -> list[dict[str, float]]:
-    """The scene's own values where it sets them, else STEPS over the range of what the techniques read, or of what
-    `efficiency_over` names. Raises BadInput for a name that is no parameter.
+    """The sets of parameter values of the table.
+
+    Parameters that the scene sets have its values. What the techniques read, or what `efficiency_over` names, takes
+    STEPS values over its range. Raises BadInput for a name that is no parameter.
     """
     first = question.series[0]
     scene = cast(ConvergenceScene, question.scene)

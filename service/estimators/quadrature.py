@@ -36,8 +36,9 @@ _ALL = Structure()
 
 @dataclass(frozen=True)
 class _Layout:
-    """How the shader's buffers look in a precision: a real number, a panel (the cell's number and its part, then the
-    corner), and a cell.
+    """How the shader's buffers look in a precision.
+
+    A panel is the cell's number and its part, then the corner.
     """
 
     real: np.dtype[Any]

@@ -45,8 +45,9 @@ class OwnFileFailed(SamplerscopeError):
 
 @dataclass(frozen=True)
 class Bounds:
-    """How long a worker may be silent, and how long it may take in all. With `strict` it refuses to run where it cannot
-    be confined: files and network closed to it, and root given up.
+    """How long a worker may be silent, and how long it may take in all.
+
+    With `strict` it refuses to run where it cannot be confined: files and network closed to it, and root given up.
     """
 
     silence_s: float = SILENCE_S
