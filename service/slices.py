@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from service.engine import Engine
+from service.plain_data import finite_or_none
 from service.probe import Probe
 from service.scene import Question, SeriesPlan
 from service.statistics import Progress
-from service.verdict import finite_or_none
 
 LIGHTS = 181
 
@@ -32,10 +32,8 @@ def compute_slices(question: Question, engine: Engine, progress: Progress = lamb
     for done, plan in enumerate(plans):
         progress(plan.technique.name, done, len(plans))
         series += _series(plan, question.scene.angles_deg, engine)
-    info = engine.device.info
-    run = {"device": info.name, "driver": info.driver_version, "elapsed_ms": 1e3 * (time.perf_counter() - begin)}
     scene = question.scene.model_dump(mode="json")
-    return {"kind": "slices", "scene": scene, "series": series, "left_out": [], "run": run}
+    return {"kind": "slices", "scene": scene, "series": series, "left_out": [], "run": engine.run_block(begin)}
 
 
 def _series(plan: SeriesPlan, angles_deg: Sequence[float], engine: Engine) -> list[dict[str, Any]]:

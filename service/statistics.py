@@ -16,12 +16,13 @@ from service.estimators import Estimate, estimate, statistics_so_far
 from service.estimators.quadrature import LEAST_VARIANCE
 from service.left_out import Feature, features_left_out, moments_needed, report, structure_without
 from service.moments import Statistics
+from service.plain_data import finite_or_none
 from service.random_numbers import cell_key
 from service.reference import CellReference
 from service.reference_store import plan_reference
 from service.sampling import Cells, CellSums, Journal
 from service.scene import Question, Scene, SeriesPlan
-from service.verdict import Evidence, finite_or_none, verdict
+from service.verdict import Evidence, verdict
 
 REFERENCE_ANGLES = 16
 """Cells whose reference is computed at a time: tenths of a second, so that an interruption is prompt."""
@@ -64,21 +65,18 @@ def compute_statistics(
         compile_ms += found.built_ms
         series.append(entry)
         features.append(features_left_out(plan, scene, found.estimator.method))
-    info = engine.device.info
     return {
         "kind": "statistics",
         "scene": scene.model_dump(mode="json"),
         "axes": axes(series),
         "series": series,
         "left_out": report(features),
-        "run": {
-            "device": info.name,
-            "driver": info.driver_version,
-            "threads": info.threads,
-            "compile_ms": compile_ms,
-            "device_ms": math.fsum(entry["device_ms"] for entry in series),
-            "elapsed_ms": 1e3 * (time.perf_counter() - begin),
-        },
+        "run": engine.run_block(
+            begin,
+            threads=engine.device.info.threads,
+            compile_ms=compile_ms,
+            device_ms=math.fsum(entry["device_ms"] for entry in series),
+        ),
     }
 
 

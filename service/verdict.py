@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from service.moments import Statistics, bernstein_half_width
+from service.plain_data import finite_or_none
 from service.reference import CellReference
 from service.scene import Estimator
 
@@ -101,11 +102,6 @@ def verdict(evidence: Evidence) -> dict[str, Any]:
         findings += _tails(evidence, evidence.statistics) if not evidence.by_rule else []
     held = sorted((finding for finding in findings if finding is not None), key=lambda f: ORDER.index(f["name"]))
     return {"status": held[0]["name"] if held else "ok", "findings": held}
-
-
-def finite_or_none(values: Any) -> list[float | None]:
-    """A list for JSON: what is not finite becomes None."""
-    return [float(value) if math.isfinite(value) else None for value in values]
 
 
 def _finding(name: str, where: Bools, angles: Angles, message: str, **evidence: Any) -> dict[str, Any] | None:

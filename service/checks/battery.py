@@ -97,7 +97,6 @@ def run_battery(
     for check in [*checks, *edges]:
         if check["replay"] is not None:
             check["replay"]["command"] = subject.replay_command(check["replay"])
-    info = engine.device.info
     return {
         "kind": "check",
         "subject": subject.given,
@@ -107,11 +106,5 @@ def run_battery(
         "checks": checks,
         "stability": stability,
         "left_out": [],
-        "run": {
-            "device": info.name,
-            "driver": info.driver_version,
-            "seed": battery.seed,
-            "quick": battery.quick,
-            "elapsed_ms": 1e3 * (time.perf_counter() - begin),
-        },
+        "run": engine.run_block(begin, seed=battery.seed, quick=battery.quick),
     }

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from service.catalogue import Entry
-from service.checks.outcome import plain
 from service.checks.selection import replay_command
 from service.engine import Engine
+from service.plain_data import plain_data
 from service.probe import Probe, Values
 from service.scene import Question
 from service.stability import regions
@@ -47,18 +47,13 @@ def compute_stability(question: Question, engine: Engine, progress: Progress = l
                 check["replay"]["command"] = replay_command(given, check["replay"])
         for name, items in one.items():
             found[name] += items
-    info = engine.device.info
     return {
         "kind": "stability",
         "scene": scene.model_dump(mode="json"),
         "status": "fail" if any(check["status"] == "fail" for check in found["checks"]) else "pass",
         **found,
         "left_out": [],
-        "run": {
-            "device": info.name,
-            "driver": info.driver_version,
-            "elapsed_ms": 1e3 * (time.perf_counter() - begin),
-        },
+        "run": engine.run_block(begin),
     }
 
 
@@ -97,7 +92,9 @@ def survey_pair(
             i = int(np.argmax(nonfinite))
             first_bad = first_bad or regions.place(probe, points, next(c for c in comparisons if c.nonfinite[i]), i)
         first_bad = first_bad or bad
-    conditions = [plain(asdict(c)) | {"technique": technique.name} for c in condition_numbers(probe, CONDITION_POINTS)]
+    conditions = [
+        plain_data(asdict(c)) | {"technique": technique.name} for c in condition_numbers(probe, CONDITION_POINTS)
+    ]
     return {
         "regions": areas,
         "exceptions": listed,
@@ -144,7 +141,7 @@ def _exceptions(
             )
             if e.reason == regions.WRONG:
                 wrong = wrong or where
-    return plain(listed), wrong
+    return plain_data(listed), wrong
 
 
 def _check(technique: str, counts: Mapping[str, int], bad: Mapping[str, Any] | None) -> dict[str, Any]:
@@ -158,5 +155,5 @@ def _check(technique: str, counts: Mapping[str, int], bad: Mapping[str, Any] | N
         "message": f"{counts['points']:,} points of the edge grid: {found}",
         "evidence": dict(counts),
         "power": f"float32 against the same code in float64; {limit}",
-        "replay": plain(bad["inputs"]) if failed and bad else None,
+        "replay": plain_data(bad["inputs"]) if failed and bad else None,
     }

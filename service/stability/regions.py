@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from service.checks.inputs import bits
-from service.checks.outcome import plain
+from service.plain_data import plain_data
 from service.probe import Probe
 from service.stability.grid import EDGE_TURNS, NEXT_TO_SEAMS
 from service.stability.survey import DIRECTION_ULP, SMALLEST, Comparison, Points, last_place
@@ -110,8 +110,8 @@ def place(probe: Probe, points: Points, comparison: Comparison, i: int) -> dict[
     return {
         "quantity": comparison.quantity,
         "inputs": inputs,
-        "value": plain(comparison.value[i]),
-        "expected": plain(comparison.truth[i]),
+        "value": plain_data(comparison.value[i]),
+        "expected": plain_data(comparison.truth[i]),
     }
 
 
