@@ -13,6 +13,7 @@ from service.checks.effort import FULL, QUICK
 from service.checks.outcome import NAMES, Outcome
 from service.checks.selection import Subject
 from service.engine import Engine
+from service.inputs import replay_command
 from service.probe import Probe
 from service.stability import survey_pair
 from service.statistics import Progress
@@ -96,7 +97,7 @@ def run_battery(
     edges = stability["checks"] if stability else []
     for check in [*checks, *edges]:
         if check["replay"] is not None:
-            check["replay"]["command"] = subject.replay_command(check["replay"])
+            check["replay"]["command"] = replay_command(subject.given, check["replay"])
     return {
         "kind": "check",
         "subject": subject.given,

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from service.checks.inputs import random_settings, replay, view_directions
 from service.checks.outcome import Outcome, failed, not_applicable, passed
+from service.inputs import random_settings, replay, view_directions
 from service.probe import Probe
 
 Array = NDArray[Any]

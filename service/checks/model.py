@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from service.checks.effort import Effort
-from service.checks.inputs import inner_value, random_settings, replay, settings, view_directions
 from service.checks.outcome import Outcome, failed, passed
 from service.checks.sphere_quadrature import cut, grid, integrate
+from service.inputs import inner_value, random_settings, replay, settings, view_directions
 from service.probe import Probe
 from service.verdict import ENERGY_LIMIT
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from service.checks.inputs import random_settings, replay, view_directions
 from service.checks.outcome import Outcome, failed, passed
+from service.inputs import random_settings, replay, view_directions
 from service.probe import Probe, Values
 from service.stability.grid import EDGE_COSINES, EDGE_NUMBERS, edge_settings
 

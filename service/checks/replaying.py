@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from service.checks.inputs import bits
 from service.checks.selection import Subject
 from service.engine import Engine
 from service.errors import BadInput, Problem
+from service.inputs import bits
 from service.plain_data import plain_data
 from service.probe import Probe, Values
 

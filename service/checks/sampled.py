@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from service.checks.binning import ChiSquare, Tree, boxes_of, chi_square, is_certain, partition
 from service.checks.effort import FALSE_ALARM, Effort
-from service.checks.inputs import Cells, cells_of, replay
 from service.checks.outcome import Outcome, failed, not_applicable, passed
 from service.checks.sphere_quadrature import Integrals, Known, coordinates, cut, integrate
+from service.inputs import Cells, cells_of, replay
 from service.moments import bernstein_half_width
 from service.probe import Probe, Values
 from service.random_numbers import cell_key, random_pairs

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from service.checks.effort import Effort
-from service.checks.inputs import Cells, cells_of, replay
 from service.checks.outcome import Outcome, failed, passed
+from service.inputs import Cells, cells_of, replay
 from service.probe import Probe
 
 Array = NDArray[Any]

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from service.checks.effort import FULL
-from service.checks.inputs import Cells as Views
 from service.checks.tails import INFINITE_VARIANCE, follow
 from service.device_reference.drawn import draw
 from service.device_reference.hemisphere import Albedo, albedos
@@ -21,6 +20,7 @@ from service.device_reference.weights import WeightMoments, weight_moments
 from service.engine import Engine
 from service.estimators.panels import Array
 from service.estimators.quadrature import LEAST_VARIANCE
+from service.inputs import Cells as Views
 from service.probe import Probe
 from service.reference import CellReference
 from service.sampling import Cells

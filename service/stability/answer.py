@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from service.catalogue import Entry
-from service.checks.selection import replay_command
 from service.engine import Engine
+from service.inputs import replay_command
 from service.plain_data import plain_data
 from service.probe import Probe, Values
 from service.scene import Question

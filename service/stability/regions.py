@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from service.checks.inputs import bits
+from service.inputs import bits
 from service.plain_data import plain_data
 from service.probe import Probe
 from service.stability.grid import EDGE_TURNS, NEXT_TO_SEAMS

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from service.checks.inputs import random_settings
+from service.inputs import random_settings
 from service.probe import Probe
 from service.stability.survey import Points
 

@@ -10,9 +10,9 @@ from scipy import stats
 
 from service.checks.binning import EXPECTED_AT_LEAST, chi_square, partition, upper_tail
 from service.checks.effort import FULL
-from service.checks.inputs import Cells
 from service.checks.sphere_quadrature import Known, coordinates, cut, directions, grid, integrate
 from service.checks.tails import FITTED, INFINITE_VARIANCE, KEPT, UNBOUNDED, check_supremum, follow, tail_index
+from service.inputs import Cells
 
 
 @pytest.mark.parametrize("freedom", [1, 2, 10, 63, 255, 1000])

@@ -1,8 +1,9 @@
-"""The inputs at which the battery looks: parameter settings, views, and how a failure names its own for a replay."""
+"""Inputs of a probe: parameter settings and views to look at, and how a failure names its own for a replay."""
 
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -113,3 +114,14 @@ def replay(
     if wi is not None:
         out["wi_bits"] = bits(wi)
     return out
+
+
+def replay_command(given: str, inputs: Mapping[str, Any]) -> str:
+    """The command that evaluates a model and technique at exact inputs; `given` is a file or a catalogue name."""
+    words = ["samplerscope", "check", given, "--model", inputs["model"], "--technique", inputs["technique"]]
+    for name, value in inputs["parameters"].items():
+        words += ["--set", f"{name}={value!r}"]
+    for name in ("wo", "u", "wi"):
+        if f"{name}_bits" in inputs:
+            words += [f"--{name}", ",".join(inputs[f"{name}_bits"])]
+    return shlex.join(words)
