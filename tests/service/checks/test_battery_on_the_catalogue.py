@@ -14,9 +14,8 @@ from service.catalogue import load_catalogue
 from service.checks.battery import Battery, run_battery
 from service.checks.outcome import NAMES
 from service.checks.selection import select
-
-from .conftest import failures, outcome
-from .expected_findings import FAULTS, expected, pairs, table
+from tests.service.checks.conftest import failures, outcome
+from tests.service.checks.expected_findings import FAULTS, expected, pairs, table
 
 DOCS = Path(__file__).parents[3] / "docs"
 CATALOGUE = load_catalogue()

@@ -7,9 +7,8 @@ from pathlib import Path
 import pytest
 
 from tests.service import command_line
-
-from .conftest import BROKEN
-from .materialx_file import write as write_materialx
+from tests.service.checks.conftest import BROKEN
+from tests.service.checks.materialx_file import write as write_materialx
 
 HEAD = '/*---\nprovides = ["technique"]\nname = "{name}"\ntitle = "Mine"\nsource = "own"\n---*/\n'
 PDF = "float direction_pdf(vec3 wo, vec3 wi) { return INV_PI * max(wi.z, 0.0); }\n"

@@ -4,12 +4,12 @@ import math
 
 import numpy as np
 import pytest
-import untransformed_quadrature
 
 from service.reference import CellReference, cell_reference, cells_reference, load_model, load_technique, moments
 from service.reference.entry import Array, Parameters
 from service.reference.models import lambert
 from service.reference.techniques import cosine
+from tests.service.reference import untransformed_quadrature
 
 MODELS = ("lambert", "fon", "eon", "eon-approx")
 TECHNIQUES = ("cosine", "uniform", "ltc-nonnegative", "ltc", "cltc", "cltc-mis")
