@@ -144,14 +144,7 @@ def _series(
         entry |= _moment_columns(scene, found.statistics, reference)
     if "max_weight" in scene.statistics:
         entry["max_weight"] = finite_or_none(found.largest)
-    evidence = Evidence(
-        theta_o_deg=scene.angles_deg,
-        estimator=found.estimator,
-        sums=found,
-        statistics=found.statistics,
-        reference=reference,
-        replay=_replays(plan, scene, found),
-    )
+    evidence = Evidence(scene.angles_deg, found, reference, _replays(plan, scene, found))
     if found.zero_fraction is not None:
         entry["zero_fraction"] = found.zero_fraction.tolist()
     return entry | {
