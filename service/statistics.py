@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from service.axes import axes
 from service.engine import Engine
-from service.estimators import Estimate, estimate, statistics_so_far
+from service.estimators import Estimate, SeriesRun, estimate, statistics_so_far
 from service.estimators.quadrature import LEAST_VARIANCE
 from service.left_out import Feature, features_left_out, moments_needed, report, structure_without
 from service.moments import Statistics
@@ -138,7 +138,8 @@ def _series(
     """One series of the result, and the estimate that it was made of."""
     reference = _reference(plan, scene, engine, lambda: advance(0))
     structure = structure_without(features_left_out(plan, scene))
-    found = estimate(plan, scene, engine, series_cells(plan, scene), reference, structure, advance, journal)
+    run = SeriesRun(plan, engine, series_cells(plan, scene), structure, advance, journal)
+    found = estimate(run, scene, reference)
     entry = _head(plan, scene)
     if found.statistics is not None:
         entry |= _moment_columns(scene, found.statistics, reference)

@@ -44,43 +44,40 @@ def replicated(cells: Cells, replicates: Sequence[tuple[int, int]]) -> Cells:
     return Cells(np.tile(cells.wo, (times, 1)), np.array(replicates, np.uint32), np.tile(cells.parameters, (times, 1)))
 
 
-def _sums(
-    plan: SeriesPlan,
-    engine: Engine,
-    cells: Cells,
-    structure: Structure,
-    samples: int,
-    advance: Advance,
-    journal: Journal | None,
-    *,
-    sobol: bool,
-) -> tuple[CellSums, float]:
+@dataclass(frozen=True)
+class SeriesRun:
+    """A series to be estimated: its cells, what its shader computes (see `service.left_out`), who hears of progress.
+
+    `advance` is called with the number of samples just drawn; `journal` keeps how far the sampling is.
+    """
+
+    plan: SeriesPlan
+    engine: Engine
+    cells: Cells
+    structure: Structure
+    advance: Advance = lambda done: None
+    journal: Journal | None = None
+
+
+def _sums(run: SeriesRun, samples: int, *, sobol: bool) -> tuple[CellSums, float]:
     """What so many samples of every cell give, and the milliseconds that building the shader took.
 
     The index of a non-finite sample is kept only when there is one: they are then drawn again by a shader that looks.
     """
-    with open_sampler(plan, engine, cells, structure, sobol=sobol) as (sampler, built_ms):
-        sums = sampler.run(samples, advance, journal)
-    if structure.first_bad or not sums.nonfinite.any():
+    with open_sampler(run.plan, run.engine, run.cells, run.structure, sobol=sobol) as (sampler, built_ms):
+        sums = sampler.run(samples, run.advance, run.journal)
+    if run.structure.first_bad or not sums.nonfinite.any():
         return sums, built_ms
-    looking = replace(structure, first_bad=True)
-    again, more_ms = _sums(plan, engine, cells, looking, samples, lambda _: advance(0), journal, sobol=sobol)
+    looking = replace(run, structure=replace(run.structure, first_bad=True), advance=lambda _: run.advance(0))
+    again, more_ms = _sums(looking, samples, sobol=sobol)
     again.device_ns += sums.device_ns
     return again, built_ms + more_ms
 
 
-def monte_carlo(
-    plan: SeriesPlan,
-    engine: Engine,
-    cells: Cells,
-    estimator: Estimator,
-    structure: Structure,
-    advance: Advance = lambda done: None,
-    journal: Journal | None = None,
-) -> Estimate:
+def monte_carlo(run: SeriesRun, estimator: Estimator) -> Estimate:
     """Independent samples; the error bars are theirs."""
-    moments = structure.moments
-    sums, built_ms = _sums(plan, engine, cells, structure, estimator.samples, advance, journal, sobol=False)
+    cells, structure, moments = run.cells, run.structure, run.structure.moments
+    sums, built_ms = _sums(run, estimator.samples, sobol=False)
     bad = [
         (index, random_pairs(_key(cells, at), np.array([index], np.uint64))[0]) if index >= 0 else None
         for at, index in enumerate(sums.first_bad.tolist())
@@ -121,22 +118,13 @@ def nothing_drawn(cells: int, estimator: Estimator) -> Estimate:
     )
 
 
-def quasi_monte_carlo(
-    plan: SeriesPlan,
-    engine: Engine,
-    cells: Cells,
-    angles_deg: Sequence[float],
-    estimator: Estimator,
-    structure: Structure,
-    advance: Advance = lambda done: None,
-    journal: Journal | None = None,
-) -> Estimate:
+def quasi_monte_carlo(run: SeriesRun, angles_deg: Sequence[float], estimator: Estimator) -> Estimate:
     """Replicates of a scrambled sequence, each of a power of two of points; the error bars are their spread."""
+    cells, structure, moments = run.cells, run.structure, run.structure.moments
     points = points_for(estimator.samples)
     keys = [replicate_key(estimator.seed, r, angle) for r in range(REPLICATES) for angle in angles_deg]
     many = replicated(cells, keys)
-    moments = structure.moments
-    sums, built_ms = _sums(plan, engine, many, structure, points, advance, journal, sobol=True)
+    sums, built_ms = _sums(replace(run, cells=many), points, sobol=True)
     by_replicate = (REPLICATES, len(cells))
     first_bad = sums.first_bad.reshape(by_replicate)
     bad: list[tuple[int, NDArray[np.float32]] | None] = []
