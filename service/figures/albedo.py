@@ -18,7 +18,7 @@ _HIGHEST = 1.6  # where the axis ends at the latest: some albedos have no limit 
 
 
 def albedo_chart(result: Mapping[str, Any], title: str | None = None) -> AnyChart:
-    """Return a panel for each value of the last swept parameter, with a colour for each of the first.
+    """A panel for each value of the last swept parameter, with a colour for each of the first.
 
     Lines are the float64 reference, points the sampled mean weight. A result with the block `average_albedo` has a
     panel of it as well. Parameters with equal values (mx and my of an isotropic sweep) count as one. Raises ValueError
@@ -57,7 +57,7 @@ def albedo_chart(result: Mapping[str, Any], title: str | None = None) -> AnyChar
 
 
 def _average(block: Mapping[str, Any]) -> alt.LayerChart:
-    """Return the panel of the average albedo over the swept parameter: closed form as a line, integrals as points."""
+    """The panel of the average albedo over the swept parameter: closed form as a line, integrals as points."""
     layers = [_rule_at_one()]
     for name in ("closed_form", "integrated"):
         part = block[name]

@@ -19,7 +19,7 @@ _LEAST_ERROR = 1e-7  # float32 rounding; nothing below it says anything
 
 
 def convergence_chart(result: Mapping[str, Any], title: str | None = None) -> AnyChart:
-    """Return the chart of a result of kind "convergence".
+    """The chart of a result of kind "convergence".
 
     First rows: relative RMS error over run time and over samples, a panel an angle, colours are techniques, dotted
     rules the bias that no number of samples removes. Last rows: error of mean and variance over device time, a panel a
@@ -133,7 +133,7 @@ def _by_technique(series: Sequence[Mapping[str, Any]], column: str, title: str) 
 
 
 def _drawable(error: float | None) -> bool:
-    """Return whether an error can stand on a logarithmic axis and says something."""
+    """Whether an error can stand on a logarithmic axis and says something."""
     return error is not None and error > _LEAST_ERROR
 
 

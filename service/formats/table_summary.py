@@ -13,12 +13,12 @@ _INDENT = "    "
 
 
 def name_of(one: Series, names: Sequence[str]) -> str:
-    """Return the technique with the values of what is swept: `cosine roughness=0.25`."""
+    """The technique with the values of what is swept: `cosine roughness=0.25`."""
     return " ".join([one.technique, *(f"{name}={swept_value(one, name)}" for name in names)])
 
 
 def legend(series: Sequence[Series], names: Sequence[str], width: int) -> str:
-    """Return what the signs in the tables mean, for those that occur."""
+    """What the signs in the tables mean, for those that occur."""
     lines = []
     if any(one.values(name) for one in series for name in ("mean_stderr", "variance_stderr")):
         lines.append("0.9923(4): 0.9923 with a standard error of 0.0004.")
@@ -45,7 +45,7 @@ def _tail(one: Series, names: Sequence[str]) -> str:
 
 
 def summary(series: Sequence[Series], names: Sequence[str], width: int) -> str:
-    """Return a line for each series (samples, time, speed, verdict), the messages of its findings below it."""
+    """A line for each series (samples, time, speed, verdict), the messages of its findings below it."""
     head = ["series", "samples per angle", "nonfinite", "device ms", "Msamples/s", "verdict"]
     rows = [head, *(_summary_row(one, names) for one in series)]
     if any(one.method != "mc" for one in series):
@@ -87,7 +87,7 @@ def _span(samples: Sequence[int]) -> str:
 
 
 def run_lines(result: Mapping[str, Any], width: int) -> str:
-    """Return the device, the times and what the shader leaves out."""
+    """The device, the times and what the shader leaves out."""
     run = result.get("run") or {}
     times = (("elapsed", "elapsed_ms"), ("device", "device_ms"), ("compile", "compile_ms"))
     lines = [

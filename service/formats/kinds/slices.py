@@ -12,7 +12,7 @@ Result = Mapping[str, Any]
 
 
 def rows(result: Result) -> tuple[list[str], Iterator[list[Any]]]:
-    """Return the columns and one row for each series and light angle."""
+    """The columns and one row for each series and light angle."""
     names = list(dict.fromkeys(name for one in result["series"] for name in one["parameters"]))
 
     def each() -> Iterator[list[Any]]:
@@ -26,7 +26,7 @@ def rows(result: Result) -> tuple[list[str], Iterator[list[Any]]]:
 
 
 def arrays(result: Result) -> dict[str, np.ndarray]:
-    """Return float64 arrays of shape (series, light angles), and names and view angles of shape (series,)."""
+    """Float64 arrays of shape (series, light angles), and names and view angles of shape (series,)."""
     import numpy as np
 
     series = result["series"]
@@ -36,7 +36,7 @@ def arrays(result: Result) -> dict[str, np.ndarray]:
 
 
 def text(result: Result) -> str:
-    """Return tables at some light angles: f cos(theta_i) of each model, the density of each technique."""
+    """Tables at some light angles: f cos(theta_i) of each model, the density of each technique."""
     series = result["series"]
     angles = series[0]["theta_i_deg"]
     shown = range(0, len(angles), max(1, len(angles) // 12))
