@@ -22,24 +22,13 @@ from service.errors import BadInput, Problem, ShaderFileError
 
 SHADERS = Path(__file__).resolve().parent.parent / "shaders"
 
-RESERVED = frozenset(
-    {
-        *(
-            "model",
-            "preset",
-            "parameters",
-            "zip",
-            "techniques",
-            "angles",
-            "theta_o_deg",
-            "phi_o_deg",
-            "statistics",
-            "reference",
-        ),
-        *("estimator", "method", "samples", "seed", "tolerance", "error_bars", "format"),
-        *("target_error", "replicates", "estimators"),
-    }
-)
+# fmt: off
+RESERVED = frozenset({
+    "model", "preset", "parameters", "zip", "techniques", "angles", "theta_o_deg", "phi_o_deg", "statistics",
+    "reference", "estimator", "method", "samples", "seed", "tolerance", "error_bars", "format",
+    "target_error", "replicates", "estimators", "efficiency_over",
+})
+# fmt: on
 """Names of a scene's fields and of query parameters, which a parameter may not have."""
 
 OWN_FILE_BYTES = 1 << 20
@@ -142,8 +131,9 @@ class Catalogue:
         return found
 
     def with_file(self, path: Path) -> Catalogue:
-        """This catalogue and one more file, which may replace an entry of the same name. Raises as `own_text` and
-        `own_entry` do.
+        """This catalogue and one more file, which may replace an entry of the same name.
+
+        Raises as `own_text` and `own_entry` do.
         """
         return self.with_text(own_text(path), str(path))
 
@@ -155,6 +145,11 @@ class Catalogue:
             techniques={**self.techniques, **_provided([entry], "technique")},
             includes=self.includes,
         )
+
+
+def is_file(given: str) -> bool:
+    """Whether a text in the place of a name means a user's file: it ends in `.glsl` or has a slash."""
+    return given.endswith(".glsl") or "/" in given
 
 
 def own_text(path: Path) -> str:

@@ -7,7 +7,6 @@ reported for every field at once, with the value given and what is allowed.
 from __future__ import annotations
 
 import itertools
-import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -280,8 +279,3 @@ def _allowed(field: str, kind: str, context: Mapping[str, Any], message: str) ->
     named = re.sub(r"\.\d+", "", field)
     known = _ALLOWED.get(named) or _ALLOWED.get(named.partition(".")[0])
     return known or message.removeprefix("Input should be ").replace("a valid ", "a ")
-
-
-def radians(degrees: float) -> float:
-    """The one place where degrees of a request become the radians of the code."""
-    return math.radians(degrees)

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from service.catalogue import Catalogue, Entry, own_text
+from service.catalogue import Catalogue, Entry, is_file, own_text
 from service.errors import BadInput, Problem
 
 DEFAULT_MODEL = "eon"
@@ -25,28 +23,6 @@ class Subject:
     techniques: tuple[Entry, ...]
     fixed: Mapping[str, float]
 
-    def replay_command(self, inputs: Mapping[str, Any]) -> str:
-        """The command that evaluates these inputs again and shows every value."""
-        return replay_command(self.given, inputs)
-
-
-def replay_command(given: str, inputs: Mapping[str, Any]) -> str:
-    """The command that evaluates a model and technique at exact inputs; `given` is a file or a name of the
-    catalogue.
-    """
-    words = ["samplerscope", "check", given, "--model", inputs["model"], "--technique", inputs["technique"]]
-    for name, value in inputs["parameters"].items():
-        words += ["--set", f"{name}={value!r}"]
-    for name in ("wo", "u", "wi"):
-        if f"{name}_bits" in inputs:
-            words += [f"--{name}", ",".join(inputs[f"{name}_bits"])]
-    return shlex.join(words)
-
-
-def is_file(given: str) -> bool:
-    """Whether the subject is a path rather than a name of the catalogue."""
-    return given.endswith(".glsl") or "/" in given
-
 
 def select(
     given: str,
@@ -56,9 +32,10 @@ def select(
     fixed: Mapping[str, float] | None = None,
     text: str | None = None,
 ) -> Subject:
-    """Find the subject. A technique runs on `model` (default eon, or the first it is made for), a model with
-    `techniques`. Where `text` is given, it is the file's, which is not read.
+    """Find the subject.
 
+    A technique runs on `model` (default eon, or the first it is made for), a model with `techniques`. Where `text` is
+    given, it is the file's, which is not read.
     BadInput names what does not exist or does not fit; ShaderFileError a file that breaks the contract.
     """
     if is_file(given):

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from service.cli import EXIT_FAILED
+
 if TYPE_CHECKING:
     from service.formats.encoding import Draw
     from service.statistics import Progress
@@ -50,7 +52,7 @@ class StageLine(ProgressLine):
 
 def deliver(
     compute: Callable[[], dict[str, Any]], format_: str | None, outputs: tuple[str, ...], draw: Draw | None = None
-) -> None:
+) -> dict[str, Any]:
     """Write a result to the files asked for, else to stdout. Formats and paths are checked before anything is computed.
 
     With files in the formats of their suffixes, the table still goes to stdout. `draw` makes the chart for pictures, by
@@ -67,3 +69,23 @@ def deliver(
     if format_ is None or not targets:
         sys.stdout.buffer.write(formats.encode(result, format_ or "table", draw))
         sys.stdout.buffer.flush()
+    return result
+
+
+def deliver_with_reports(
+    compute: Callable[[], dict[str, Any]], reports: tuple[str, ...], format_: str | None, outputs: tuple[str, ...]
+) -> None:
+    """As `deliver`, with report cards beside the result; ends the process with EXIT_FAILED where a check failed."""
+    from service.reports import require_report, write_report
+
+    for path in reports:
+        require_report(path)
+
+    def compute_and_report() -> dict[str, Any]:
+        result = compute()
+        for path in reports:
+            write_report(result, path)
+        return result
+
+    if deliver(compute_and_report, format_, outputs)["status"] == "fail":
+        sys.exit(EXIT_FAILED)

@@ -27,6 +27,11 @@ def output_options(command: Command) -> Command:
     return command
 
 
+report_option = click.option(
+    "--report", "reports", multiple=True, metavar="FILE", help="Report card as .html, .json or .md; repeatable."
+)
+
+
 def scene_options(command: Command) -> Command:
     """The options that make up a scene, with the names of its fields."""
     for option in reversed(
@@ -102,11 +107,6 @@ def scene_data(
         reference=not no_reference,
     )
     return scene if preset is None else with_preset(preset, scene)
-
-
-def is_file(given: str) -> bool:
-    """Whether the text means a user's shader file rather than a name of the catalogue."""
-    return given.endswith(".glsl") or "/" in given
 
 
 def given(**fields: Any) -> dict[str, Any]:

@@ -11,8 +11,6 @@ from pydantic import Field, ValidationError
 from service.errors import BadInput, Problem
 from service.scene import ALL_MODELS, MAX_ANGLES, METHODS, Angle, AngleCount, Estimator, Method, Scene, scene_problems
 
-LEAST_COUNT = 2**4
-
 
 class ConvergenceScene(Scene):
     """A scene with what a study of errors needs beyond it.

@@ -1,24 +1,18 @@
 """The command line as a user meets it: in a process of its own, on the real driver."""
 
 import json
-import os
 import subprocess
 import sys
 
 import pytest
 
+from tests.service.command_line import samplerscope
+
 SMALL = ["stats", "--technique", "cosine,cltc-mis", "--theta-o-deg", "0,80", "--samples", "20000", "--seed", "3"]
 
 
-def run(*arguments, env=None, limit_s=120):
-    command = [sys.executable, "-c", "from service.cli import main; main()", *arguments]
-    return subprocess.run(
-        command, capture_output=True, text=True, timeout=limit_s, env={**os.environ, **(env or {})}, check=False
-    )
-
-
 def result_of(*arguments, env=None):
-    done = run(*arguments, "--format", "json", env=env)
+    done = samplerscope(*arguments, "--format", "json", env=env)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 
@@ -28,7 +22,7 @@ def numbers(result):
 
 
 def test_the_table_goes_to_stdout_and_progress_to_stderr():
-    done = run(*SMALL)
+    done = samplerscope(*SMALL)
     assert done.returncode == 0
     assert "variance" in done.stdout
     assert "cltc-mis" in done.stdout
@@ -83,7 +77,7 @@ def test_another_seed_gives_other_samples_of_the_same_law():
     ],
 )
 def test_bad_input_gets_one_line_and_exit_code_2(arguments, names, tmp_path):
-    done = run("stats", *arguments)
+    done = samplerscope("stats", *arguments)
     assert done.returncode == 2
     assert done.stdout == ""
     assert len(done.stderr.strip().splitlines()) == 1
@@ -92,7 +86,7 @@ def test_bad_input_gets_one_line_and_exit_code_2(arguments, names, tmp_path):
 
 def test_an_unwritable_output_is_found_before_anything_is_computed(tmp_path):
     (tmp_path / "folder.json").mkdir()
-    done = run("stats", "--samples", "1000000000000", "-o", str(tmp_path / "folder.json"))
+    done = samplerscope("stats", "--samples", "1000000000000", "-o", str(tmp_path / "folder.json"))
     assert done.returncode == 2
     assert "folder" in done.stderr
     assert list((tmp_path / "folder.json").iterdir()) == []
@@ -100,7 +94,7 @@ def test_an_unwritable_output_is_found_before_anything_is_computed(tmp_path):
 
 @pytest.mark.parametrize("variable", ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"])
 def test_a_driver_setting_that_is_none_gets_one_line_and_exit_code_3(variable):
-    done = run(*SMALL, env={variable: "/no/such/driver.json"})
+    done = samplerscope(*SMALL, env={variable: "/no/such/driver.json"})
     assert done.returncode == 3
     assert done.stdout == ""
     (line,) = done.stderr.strip().splitlines()
@@ -110,7 +104,7 @@ def test_a_driver_setting_that_is_none_gets_one_line_and_exit_code_3(variable):
 def test_files_get_the_format_of_their_suffix_and_the_table_still_shows(tmp_path):
     names = ["a.json", "b.csv", "c.npz", "d.vl.json", "e.svg", "f.png"]
     outputs = [part for name in names for part in ("-o", str(tmp_path / name))]
-    done = run(*SMALL, *outputs)
+    done = samplerscope(*SMALL, *outputs)
     assert done.returncode == 0
     assert "mean weight" in done.stdout
     assert sorted(path.name for path in tmp_path.iterdir()) == names
@@ -120,10 +114,10 @@ def test_files_get_the_format_of_their_suffix_and_the_table_still_shows(tmp_path
 
 
 def test_a_figure_is_a_named_scene(tmp_path):
-    done = run("figure", "eon-13", "--samples", "1000", "-o", str(tmp_path / "f.svg"), "--format", "svg")
+    done = samplerscope("figure", "eon-13", "--samples", "1000", "-o", str(tmp_path / "f.svg"), "--format", "svg")
     assert done.returncode == 0
     assert (tmp_path / "f.svg").read_text().startswith("<svg")
-    wrong = run("figure", "eon-12")
+    wrong = samplerscope("figure", "eon-12")
     assert wrong.returncode == 2
     assert "eon-11" in wrong.stderr
 
@@ -143,18 +137,9 @@ def test_memory_does_not_grow_with_the_number_of_samples():
     )
     peaks = []
     for samples in (2**16, 2**28):
-        arguments = [
-            "stats",
-            "--technique",
-            "uniform",
-            "--theta-o-deg",
-            "45",
-            "--samples",
-            str(samples),
-            "--no-reference",
-        ]
+        scene = f"stats --technique uniform --theta-o-deg 45 --samples {samples} --no-reference"
         done = subprocess.run(
-            [sys.executable, "-c", code, *arguments], capture_output=True, text=True, timeout=120, check=True
+            [sys.executable, "-c", code, *scene.split()], capture_output=True, text=True, timeout=120, check=True
         )
         peaks.append(int(done.stderr.splitlines()[-1]))
     assert peaks[1] - peaks[0] < 20_000

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any
 
 import click
 
-from service.cli.delivery import StageLine, deliver
-from service.cli.options import integer, names, output_options
+from service.catalogue import is_file, own_text
+from service.cli.delivery import StageLine, deliver, deliver_with_reports
+from service.cli.options import integer, names, output_options, report_option
 from service.errors import BadInput, Problem
-
-EXIT_FAILED = 1
 
 
 @click.command()
@@ -24,9 +22,7 @@ EXIT_FAILED = 1
 @click.option("--set", "settings", multiple=True, metavar="NAME=VALUE", help="Fix a parameter, which is swept else.")
 @click.option("--quick", is_flag=True, help="A few seconds, at the lower power that each check states.")
 @click.option("--seed", metavar="N", help="Seed of the random numbers. Default: 0.")
-@click.option(
-    "--report", "reports", multiple=True, metavar="FILE", help="Report card as .html, .json or .md; repeatable."
-)
+@report_option
 @click.option("--wo", metavar="X,Y,Z", help="Replay: evaluate once for this view, as numbers or float bits.")
 @click.option("--u", "u", metavar="U1,U2", help="Replay: the random numbers.")
 @click.option("--wi", metavar="X,Y,Z", help="Replay: the direction, in place of random numbers.")
@@ -65,27 +61,11 @@ def check(
         return
     if u is not None or wi is not None:
         raise BadInput(Problem("wo", None, "a view, where --u or --wi is given"))
-    from service.reports import require_report, write_report
-
-    for path in reports:
-        require_report(path)
-    result: dict[str, Any] = {}
-
-    def compute() -> dict[str, Any]:
-        result.update(_run("check", arguments))
-        for path in reports:
-            write_report(result, path)
-        return result
-
-    deliver(compute, format_, outputs)
-    if result["status"] == "fail":
-        sys.exit(EXIT_FAILED)
+    deliver_with_reports(lambda: _run("check", arguments), reports, format_, outputs)
 
 
 def _run(task: str, arguments: dict[str, Any]) -> dict[str, Any]:
     """A user's file runs in a process of its own; an entry of the catalogue here."""
-    from service.catalogue import own_text
-    from service.checks.selection import is_file
     from service.isolation import run_isolated
 
     with StageLine() as progress:

@@ -6,8 +6,9 @@ from typing import Any
 
 import click
 
+from service.catalogue import is_file
 from service.cli.delivery import ProgressLine, deliver
-from service.cli.options import integer, is_file, names, number, output_options, scene_data, scene_options
+from service.cli.options import given, integer, names, number, output_options, scene_data, scene_options
 from service.cli.own_file import answer_for_file
 from service.convergence.scene import ConvergenceScene, parse_convergence_scene
 
@@ -34,17 +35,12 @@ def converge(
     --method takes a list here; by default all three estimators are compared, at 0, 45, 80 and 89 degrees, up to
     --samples 1048576.
     """
-    data = scene_data(method=None, **options)
-    data |= {
-        name: value
-        for name, value in {
-            "target_error": number("target_error", target_error),
-            "replicates": integer("replicates", replicates),
-            "estimators": names(method),
-            "efficiency_over": names(efficiency_over),
-        }.items()
-        if value is not None
-    }
+    data = scene_data(method=None, **options) | given(
+        target_error=number("target_error", target_error),
+        replicates=integer("replicates", replicates),
+        estimators=names(method),
+        efficiency_over=names(efficiency_over),
+    )
     path = options["model"]
     if is_file(path):
         deliver(lambda: answer_for_file("convergence", path, data, device), format_, outputs)

@@ -6,8 +6,9 @@ from typing import Any
 
 import click
 
+from service.catalogue import is_file
 from service.cli.delivery import ProgressLine, deliver
-from service.cli.options import is_file, output_options, scene_data, scene_options
+from service.cli.options import output_options, scene_data, scene_options
 from service.cli.own_file import answer_for_file
 
 

@@ -1,8 +1,9 @@
-"""What the battery looks at: a probe, and the parameter settings and views at which it looks."""
+"""Inputs of a probe: parameter settings and views to look at, and how a failure names its own for a replay."""
 
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -40,9 +41,7 @@ def view_directions(theta_o: Array, phi_o: Array) -> Array:
 
 
 def settings(declared: Mapping[str, Parameter], count: int) -> Array:
-    """Up to `count` rows of parameter values (float32): the defaults, inner points, each range's ends alone, all
-    ends.
-    """
+    """Up to `count` rows of parameter values in float32: defaults, inner points, each range's ends alone, all ends."""
     columns = list(declared.values())
     default = [p.default for p in columns]
     rows = [default]
@@ -115,3 +114,14 @@ def replay(
     if wi is not None:
         out["wi_bits"] = bits(wi)
     return out
+
+
+def replay_command(given: str, inputs: Mapping[str, Any]) -> str:
+    """The command that evaluates a model and technique at exact inputs; `given` is a file or a catalogue name."""
+    words = ["samplerscope", "check", given, "--model", inputs["model"], "--technique", inputs["technique"]]
+    for name, value in inputs["parameters"].items():
+        words += ["--set", f"{name}={value!r}"]
+    for name in ("wo", "u", "wi"):
+        if f"{name}_bits" in inputs:
+            words += [f"--{name}", ",".join(inputs[f"{name}_bits"])]
+    return shlex.join(words)
