@@ -18,8 +18,6 @@ _BETWEEN = "   |   "
 _LONGEST_NAME = 40
 _PANELS = (("mean", "mean weight"), ("variance", "variance"), ("max_weight", "max weight"))
 
-Grid = list[list[str]]
-
 
 def statistics_table(result: Mapping[str, Any], width: int = WIDTH) -> str:
     """The text of a result of kind "statistics", at most `width` columns wide, without colour.
