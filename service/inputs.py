@@ -19,7 +19,7 @@ _GOLDEN = 0.6180339887498949
 
 
 @dataclass(frozen=True)
-class Cells:
+class Views:
     """Settings and views, one a row: wo (n, 3) float32 and parameters (n, p) float32; angles in radians, shape (n,)."""
 
     wo: Array
@@ -30,8 +30,8 @@ class Cells:
     def __len__(self) -> int:
         return len(self.wo)
 
-    def __getitem__(self, where: Any) -> Cells:
-        return Cells(self.wo[where], self.parameters[where], self.theta_o[where], self.phi_o[where])
+    def __getitem__(self, where: Any) -> Views:
+        return Views(self.wo[where], self.parameters[where], self.theta_o[where], self.phi_o[where])
 
 
 def view_directions(theta_o: Array, phi_o: Array) -> Array:
@@ -82,12 +82,12 @@ def inner_value(p: Parameter, x: float) -> float:
     return p.min + x * (p.max - p.min)
 
 
-def cells_of(probe: Probe, theta_o_deg: Sequence[float], rows: int) -> Cells:
+def views_of(probe: Probe, theta_o_deg: Sequence[float], rows: int) -> Views:
     """All views at each of some settings; the azimuths differ, so that no check only sees a view in the x-z plane."""
     values = settings(probe.declared, rows)
     theta = np.radians(np.tile(np.asarray(theta_o_deg, float), len(values)))
     phi = 2 * np.pi * ((0.137 + _GOLDEN * np.arange(len(theta))) % 1.0)
-    return Cells(view_directions(theta, phi), np.repeat(values, len(theta_o_deg), axis=0), theta, phi)
+    return Views(view_directions(theta, phi), np.repeat(values, len(theta_o_deg), axis=0), theta, phi)
 
 
 def bits(values: Array) -> list[str]:

@@ -13,7 +13,7 @@ from service.checks.binning import ChiSquare, Tree, boxes_of, chi_square, is_cer
 from service.checks.effort import FALSE_ALARM, Effort
 from service.checks.outcome import Outcome, failed, not_applicable, passed
 from service.checks.sphere_quadrature import Integrals, Known, coordinates, cut, integrate
-from service.inputs import Cells, cells_of, replay
+from service.inputs import Views, replay, views_of
 from service.moments import bernstein_half_width
 from service.probe import Probe, Values
 from service.random_numbers import cell_key, random_pairs
@@ -50,7 +50,7 @@ class Sampled:
     Integrands: 0 density; 1 f cos; 2 f cos where the density is zero; 3 min(w, limit) p; 4 min(w, limit)^2 p.
     """
 
-    cells: Cells
+    cells: Views
     u: list[Array]
     weights: list[Array]
     counted: list[Array]  # whether a sample has a density above zero
@@ -62,7 +62,7 @@ class Sampled:
 
 def draw_and_integrate(probe: Probe, effort: Effort, seed: int) -> Sampled:
     """Draw directions in float32, bin them, and integrate the density in double precision over the same bins."""
-    cells = cells_of(probe, effort.views, effort.rows)
+    cells = views_of(probe, effort.views, effort.rows)
     u_all, weights, counted, trees, shown, bad = [], [], [], [], [], []
     for i in range(len(cells)):
         key = cell_key(seed, float(i))
@@ -101,7 +101,7 @@ def _integrands(p: Array, reflected: Array, limit: Array) -> Array:
     return np.stack([p, reflected, np.where(p > 0, 0.0, reflected), weight * p, weight**2 * p])
 
 
-def _integrals(probe: Probe, cells: Cells, trees: list[Tree], known: Known, limits: Array, effort: Effort) -> Integrals:
+def _integrals(probe: Probe, cells: Views, trees: list[Tree], known: Known, limits: Array, effort: Effort) -> Integrals:
     def integrands(wi: Array, cell: Array) -> Array:
         values = probe.evaluate(cells.wo[cell], wi, cells.parameters[cell], "double")
         p = np.where(np.isfinite(values.direction_pdf), values.direction_pdf, 0.0)

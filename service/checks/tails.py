@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from service.checks.effort import Effort
 from service.checks.outcome import Outcome, failed, passed
-from service.inputs import Cells, cells_of, replay
+from service.inputs import Views, replay, views_of
 from service.probe import Probe
 
 Array = NDArray[Any]
@@ -43,7 +43,7 @@ class Tails:
     u: where that is, (cells, 2).
     """
 
-    cells: Cells
+    cells: Views
     thresholds: Array
     largest: Array
     u: Array
@@ -52,10 +52,10 @@ class Tails:
 
 def search(probe: Probe, effort: Effort, rng: np.random.Generator) -> Tails:
     """Follow the largest weights at the settings and views of the effort."""
-    return follow(probe, cells_of(probe, effort.tail_views, effort.tail_rows), effort, rng)
+    return follow(probe, views_of(probe, effort.tail_views, effort.tail_rows), effort, rng)
 
 
-def follow(probe: Probe, cells: Cells, effort: Effort, rng: np.random.Generator) -> Tails:
+def follow(probe: Probe, cells: Views, effort: Effort, rng: np.random.Generator) -> Tails:
     """Follow the largest weights of every cell, all cells together."""
     count, size = len(cells), effort.tail_particles
     wo, parameters = np.repeat(cells.wo, size, axis=0), np.repeat(cells.parameters, size, axis=0)

@@ -20,7 +20,7 @@ from service.device_reference.weights import WeightMoments, weight_moments
 from service.engine import Engine
 from service.estimators.panels import Array
 from service.estimators.quadrature import LEAST_VARIANCE
-from service.inputs import Cells as Views
+from service.inputs import Views
 from service.probe import Probe
 from service.reference import CellReference
 from service.sampling import Cells

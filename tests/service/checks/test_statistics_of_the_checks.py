@@ -12,7 +12,7 @@ from service.checks.binning import EXPECTED_AT_LEAST, chi_square, partition, upp
 from service.checks.effort import FULL
 from service.checks.sphere_quadrature import Known, coordinates, cut, directions, grid, integrate
 from service.checks.tails import FITTED, INFINITE_VARIANCE, KEPT, UNBOUNDED, check_supremum, follow, tail_index
-from service.inputs import Cells
+from service.inputs import Views
 
 
 @pytest.mark.parametrize("freedom", [1, 2, 10, 63, 255, 1000])
@@ -176,7 +176,7 @@ def test_a_bounded_weight_has_no_index_even_with_a_high_narrow_peak():
 
 def test_the_search_says_what_one_sample_in_4096_exceeds():
     """The weight 1/u1 exceeds W with the probability 1/W; a level scatters by a few percent, six of them by a tenth."""
-    cells = Cells(np.zeros((8, 3)), np.zeros((8, 0)), np.zeros(8), np.zeros(8))
+    cells = Views(np.zeros((8, 3)), np.zeros((8, 0)), np.zeros(8), np.zeros(8))
     effort = replace(FULL, tail_levels=8)
     reciprocal = SimpleNamespace(draw=lambda wo, u, *_: SimpleNamespace(weight=1 / np.maximum(u[:, 0], 1e-300)))
     tails = follow(reciprocal, cells, effort, np.random.default_rng(0))
