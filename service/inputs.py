@@ -30,9 +30,6 @@ class Views:
     def __len__(self) -> int:
         return len(self.wo)
 
-    def __getitem__(self, where: Any) -> Views:
-        return Views(self.wo[where], self.parameters[where], self.theta_o[where], self.phi_o[where])
-
 
 def view_directions(theta_o: Array, phi_o: Array) -> Array:
     """wo of shape (n, 3), formed in double precision and rounded once."""
