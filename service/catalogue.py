@@ -135,11 +135,16 @@ class Catalogue:
         made_for = [] if technique.head.models == "any" else technique.head.models
         for name in technique.head.uses:
             if name not in found:
-                owners = [self.models[m] for m in made_for if name in self.models[m].head.parameters]
+                known = [self.models[m] for m in made_for if m in self.models]
+                owners = [model for model in known if name in model.head.parameters]
                 if not owners:
                     raise ShaderFileError(f"{technique.origin}: uses {name!r}, which {model.name} does not declare")
                 found[name] = owners[0].head.parameters[name]
         return found
+
+    def file_of(self, origin: str) -> Entry:
+        """The entry of a user's file that `with_text` has added under this origin."""
+        return next(e for e in (*self.models.values(), *self.techniques.values()) if e.own and e.origin == origin)
 
     def with_file(self, path: Path) -> Catalogue:
         """This catalogue and one more file, which may replace an entry of the same name. Raises as `own_text` and
@@ -155,6 +160,11 @@ class Catalogue:
             techniques={**self.techniques, **_provided([entry], "technique")},
             includes=self.includes,
         )
+
+
+def is_file(given: str) -> bool:
+    """Whether a text means a user's shader file: a path, or a name with a dot, which no entry of the catalogue has."""
+    return "." in given or "/" in given
 
 
 def own_text(path: Path) -> str:

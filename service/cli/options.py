@@ -104,11 +104,6 @@ def scene_data(
     return scene if preset is None else with_preset(preset, scene)
 
 
-def is_file(given: str) -> bool:
-    """Whether the text means a user's shader file rather than a name of the catalogue."""
-    return given.endswith(".glsl") or "/" in given
-
-
 def given(**fields: Any) -> dict[str, Any]:
     """Only the fields that have a value."""
     return {name: value for name, value in fields.items() if value is not None}

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 from typing import Any
 
 import click
 
 from service.cli.delivery import StageLine, deliver
 from service.cli.options import integer, names, output_options
+from service.cli.own_files import own_texts
 from service.errors import BadInput, Problem
 
 EXIT_FAILED = 1
@@ -84,14 +84,13 @@ def check(
 
 def _run(task: str, arguments: dict[str, Any]) -> dict[str, Any]:
     """A user's file runs in a process of its own; an entry of the catalogue here."""
-    from service.catalogue import own_text
-    from service.checks.selection import is_file
     from service.isolation import run_isolated
 
+    files = own_texts([arguments["subject"], arguments["model"], *(arguments["techniques"] or [])])
     with StageLine() as progress:
-        if is_file(arguments["subject"]):
-            text = own_text(Path(arguments["subject"]))
-            return run_isolated(task, arguments | {"text": text}, progress)
+        if files:
+            text = files.pop(arguments["subject"], None)
+            return run_isolated(task, arguments | {"text": text, "files": files}, progress)
         from service.isolation.tasks import TASKS, stay_open
 
         return TASKS[task](arguments | {"text": None}, progress, stay_open)

@@ -7,8 +7,8 @@ from typing import Any
 import click
 
 from service.cli.delivery import ProgressLine, deliver
-from service.cli.options import integer, is_file, names, number, output_options, scene_data, scene_options
-from service.cli.own_file import answer_for_file
+from service.cli.options import integer, names, number, output_options, scene_data, scene_options
+from service.cli.own_files import answer_for_files, scene_texts
 from service.convergence.scene import ConvergenceScene, parse_convergence_scene
 
 
@@ -45,9 +45,8 @@ def converge(
         }.items()
         if value is not None
     }
-    path = options["model"]
-    if is_file(path):
-        deliver(lambda: answer_for_file("convergence", path, data, device), format_, outputs)
+    if files := scene_texts(data):
+        deliver(lambda: answer_for_files("convergence", files, data, device), format_, outputs)
         return
     scene = parse_convergence_scene(data)
     deliver(lambda: convergence_of(scene, device), format_, outputs)

@@ -7,8 +7,8 @@ from typing import Any
 import click
 
 from service.cli.delivery import ProgressLine, deliver
-from service.cli.options import is_file, output_options, scene_data, scene_options
-from service.cli.own_file import answer_for_file
+from service.cli.options import output_options, scene_data, scene_options
+from service.cli.own_files import answer_for_files, scene_texts
 
 
 @click.command()
@@ -16,11 +16,11 @@ from service.cli.own_file import answer_for_file
 @output_options
 def explain(format_: str | None, outputs: tuple[str, ...], device: str | None, **options: Any) -> None:
     """What the shaders of a scene leave out, and what that saves: measured beside those that keep everything."""
-    path = options["model"]
-    if is_file(path):
-        deliver(lambda: answer_for_file("explain", path, scene_data(**options), device), format_, outputs)
+    data = scene_data(**options)
+    if files := scene_texts(data):
+        deliver(lambda: answer_for_files("explain", files, data, device), format_, outputs)
         return
-    deliver(lambda: explanation_of(scene_data(**options), device), format_, outputs)
+    deliver(lambda: explanation_of(data, device), format_, outputs)
 
 
 def explanation_of(data: dict[str, Any], device: str | None) -> dict[str, Any]:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 from typing import Any
 
 import click
 
 from service.cli.delivery import StageLine, deliver
 from service.cli.options import output_options, scene_data, scene_options
+from service.cli.own_files import answer_for_files, scene_texts
 from service.scene import parse_scene
 
 EXIT_FAILED = 1
@@ -48,15 +48,11 @@ def stability(
 
 def _run(options: dict[str, Any], device: str | None) -> dict[str, Any]:
     """A user's file runs in a process of its own; the catalogue here."""
-    from service.catalogue import own_text
-    from service.cli.options import is_file
-    from service.isolation import run_isolated
+    scene = scene_data(**options)
+    if files := scene_texts(scene):
+        return answer_for_files("stability", files, scene, device, StageLine)
     from service.isolation.tasks import TASKS, stay_open
 
-    arguments: dict[str, Any] = {"file": None, "text": None, "scene": scene_data(**options), "device": device}
+    parse_scene(scene)
     with StageLine() as progress:
-        if is_file(options["model"]):
-            path = options["model"]
-            return run_isolated("stability", arguments | {"file": path, "text": own_text(Path(path))}, progress)
-        parse_scene(arguments["scene"])
-        return TASKS["stability"](arguments, progress, stay_open)
+        return TASKS["stability"]({"file": None, "scene": scene, "device": device}, progress, stay_open)

@@ -7,8 +7,8 @@ from typing import Any
 import click
 
 from service.cli.delivery import ProgressLine, deliver
-from service.cli.options import is_file, output_options, scene_data, scene_options
-from service.cli.own_file import answer_for_file
+from service.cli.options import output_options, scene_data, scene_options
+from service.cli.own_files import answer_for_files, scene_texts
 from service.scene import Scene, parse_scene
 
 
@@ -17,12 +17,12 @@ from service.scene import Scene, parse_scene
 @output_options
 def stats(format_: str | None, outputs: tuple[str, ...], device: str | None, **options: Any) -> None:
     """Mean, variance and largest weight of techniques across view angles. The model may be a .glsl file."""
-    path = options["model"]
-    if not is_file(path):
-        scene = parse_scene(scene_data(**options))
-        deliver(lambda: statistics_of(scene, device), format_, outputs)
+    data = scene_data(**options)
+    if files := scene_texts(data):
+        deliver(lambda: answer_for_files("statistics", files, data, device), format_, outputs)
         return
-    deliver(lambda: answer_for_file("statistics", path, scene_data(**options), device), format_, outputs)
+    scene = parse_scene(data)
+    deliver(lambda: statistics_of(scene, device), format_, outputs)
 
 
 def statistics_of(scene: Scene, device: str | None) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -149,6 +150,55 @@ def test_statistics_take_a_file_and_never_the_reference_of_an_entry_of_the_same_
     assert series["reference"]["variance"] == pytest.approx([0.40359, 0.51146], abs=1e-4)
     assert series["mean"] == pytest.approx([1, 1], abs=0.03)
     assert "biased" not in {finding["name"] for finding in series["verdict"]["findings"]}
+
+
+@pytest.fixture
+def own_model(tmp_path):
+    path = tmp_path / "grey.glsl"
+    head = '/*---\nprovides = ["model"]\nname = "grey"\ntitle = "Grey"\nsource = "own"\n---*/\n'
+    path.write_text(head + "float brdf(vec3 wi, vec3 wo) { return 0.5 * INV_PI; }\n")
+    return path
+
+
+def test_a_technique_file_stands_beside_those_of_the_catalogue_on_any_model(own):
+    """Both draw by the cosine: their truths, of the file's own code and of the formulas, are one."""
+    options = ["--model", "oren-nayar-full", "--theta-o-deg", "0,60", "--samples", "20000", "--format", "json"]
+    done = samplerscope("stats", "--technique", f"{own(INCLUDE + COSINE + PDF)},cosine", *options)
+    assert done.returncode == 0, done.stderr
+    mine, cosine = json.loads(done.stdout)["series"]
+    assert [mine["technique"], cosine["technique"]] == ["mine", "cosine"]
+    assert mine["reference"]["variance"] == pytest.approx(cosine["reference"]["variance"], rel=1e-3)
+    assert mine["verdict"]["status"] == cosine["verdict"]["status"]
+
+
+def test_a_technique_file_runs_on_a_model_file(own, own_model):
+    path = own(INCLUDE + COSINE + PDF)
+    done = samplerscope("stats", "--model", own_model, "--technique", path, "--angles", "2", "--format", "json")
+    (series,) = json.loads(done.stdout)["series"]
+    assert (series["model"], series["technique"]) == ("grey", "mine")
+    assert series["mean"] == pytest.approx([0.5, 0.5], abs=1e-6)
+
+
+def test_a_failure_of_two_files_is_replayed_by_both_paths(own, own_model):
+    path = own(INCLUDE + COSINE + "float direction_pdf(vec3 wo, vec3 wi) { return 0.5 * INV_PI * max(wi.z, 0.0); }\n")
+    done = samplerscope("check", path, "--model", own_model, "--quick", "--format", "json")
+    assert done.returncode == 1, done.stderr
+    command = next(check for check in json.loads(done.stdout)["checks"] if check["status"] == "fail")["replay"][
+        "command"
+    ]
+    again = samplerscope(*shlex.split(command)[1:])
+    assert command.startswith(f"samplerscope check {path} --model {own_model} --technique mine")
+    assert again.returncode == 0, again.stderr
+    assert "mine on grey" in again.stdout
+
+
+@pytest.mark.parametrize("command", [["check"], ["stats", "--model"]])
+def test_a_technique_file_is_never_passed_over_in_silence(own, command):
+    done = samplerscope(*command, own(INCLUDE + COSINE + PDF), "--technique", "cosine")
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert "techniques = cosine: allowed is" in done.stderr
+    assert "mine" in done.stderr
 
 
 def test_a_loop_in_statistics_that_reaches_the_limit_is_an_error(own):
