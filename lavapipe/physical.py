@@ -7,6 +7,7 @@ import re
 import time
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -53,15 +54,20 @@ class Physical:
 
     def memory_type(self, allowed: int) -> int:
         """The index of the best host-visible coherent memory type among the bits `allowed`."""
-        properties = vk.ffi.new("VkPhysicalDeviceMemoryProperties *")
-        vk.lib.vkGetPhysicalDeviceMemoryProperties(self.handle, properties)
         needed = vk.VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | vk.VK_MEMORY_PROPERTY_HOST_COHERENT_BIT
-        flags = [properties.memoryTypes[index].propertyFlags for index in range(properties.memoryTypeCount)]
+        flags = self._memory_flags
         fitting = [index for index, flag in enumerate(flags) if allowed >> index & 1 and flag & needed == needed]
         if not fitting:
             raise DeviceNotFound(f"{self.info.name} has no memory that host and device share coherently")
         # Results are read on the host: uncached memory would make that many times slower.
         return max(fitting, key=lambda index: bool(flags[index] & vk.VK_MEMORY_PROPERTY_HOST_CACHED_BIT))
+
+    @cached_property
+    def _memory_flags(self) -> list[int]:
+        """The properties of every memory type."""
+        properties = vk.ffi.new("VkPhysicalDeviceMemoryProperties *")
+        vk.lib.vkGetPhysicalDeviceMemoryProperties(self.handle, properties)
+        return [properties.memoryTypes[index].propertyFlags for index in range(properties.memoryTypeCount)]
 
 
 def choose(instance: Instance, name: str | None) -> Physical:

@@ -109,7 +109,7 @@ class Sampler:
         self._pipeline = pipeline
         self._count = len(cells)
         self._cells = device.buffer((len(cells),), CELL)
-        self._cells.array[:] = cell_table(cells)
+        fill_cells(self._cells.array, cells)
         self._parameters = device.buffer((max(1, cells.parameters.size),), np.float32)
         self._parameters.array[: cells.parameters.size] = cells.parameters.ravel()
         self._outputs: list[tuple[Buffer, Buffer] | None] = [None] * LAUNCHES_IN_FLIGHT
@@ -214,8 +214,8 @@ class Sampler:
             self._submit(launch, samples, outputs).wait(TIMEOUT_S)
             powers, found = (_view(buffer, launch)[:, :, 0] for buffer in outputs)
             used = found[:, 0, DRAWN] != 0
-            powers, found = powers[used], found[used]
-            shifts[first : first + launch.cells] = np.median(powers[..., 0] / (found[..., DRAWN] & 0xFFFF), axis=0)
+            means = powers[used, :, 0] / (found[used, :, DRAWN] & 0xFFFF)
+            shifts[first : first + launch.cells] = np.median(means, axis=0)
         return shifts.astype(np.float32).astype(np.float64)
 
     def _submit(self, launch: _Launch, samples: int, outputs: tuple[Buffer, Buffer]) -> Submission:
@@ -246,12 +246,10 @@ CELL = np.dtype([("wo", "<f4", 3), ("shift", "<f4"), ("key", "<u4", 2), ("paddin
 """A cell as the shaders see it."""
 
 
-def cell_table(cells: Cells) -> NDArray[Any]:
-    """The cells as an array of CELL, shift 0."""
-    table = np.zeros(len(cells), CELL)
+def fill_cells(table: NDArray[Any], cells: Cells) -> None:
+    """Write the cells into an array of CELL whose shifts are 0."""
     table["wo"] = cells.wo
     table["key"] = cells.keys
-    return table
 
 
 def _launches(cells: int, start: int, samples: int) -> Iterator[_Launch]:

@@ -302,7 +302,7 @@ def _tails(e: Evidence, statistics: Statistics) -> list[dict[str, Any] | None]:
             e.theta_o_deg,
             "rare large weights carry the fourth moment, and error bars from the samples do not hold at this count; "
             f"{_rounded_up(np.max(needed[heavy], initial=0.0)):,} samples would do",
-            samples_needed=[_rounded_up(value) for value in needed[heavy]],
+            samples_needed=[_rounded_up(value) for value in needed[heavy].tolist()],
         ),
         _finding(
             "imprecise",

@@ -7,11 +7,14 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import Any
 
 _LONGEST = 240
 """An object of plain values stands on one line up to this length."""
+
+_CONTAINERS = frozenset((dict, list, tuple))
+_encoder = json.JSONEncoder(allow_nan=False, ensure_ascii=False)
 
 
 def encode(value: Any) -> bytes:
@@ -28,33 +31,36 @@ def encode(value: Any) -> bytes:
 
 def line(value: Any) -> str:
     """Return `value` as JSON on one line; raises as `encode` does, without the place."""
-    return json.dumps(value, allow_nan=False, ensure_ascii=False)
+    return _encoder.encode(value)
 
 
 def _block(value: Any, indent: str) -> str:
+    if type(value) not in _CONTAINERS:
+        return line(value)
     deeper = indent + "  "
-    if isinstance(value, Mapping) and value:
-        if _flat(value.values()) and len(text := line({_key(key): item for key, item in value.items()})) <= _LONGEST:
+    if isinstance(value, dict):
+        for key in value:
+            _check_key(key)
+        if _flat(value.values()) and len(text := line(value)) <= _LONGEST:
             return text
-        entries = (f"{deeper}{line(_key(key))}: {_block(item, deeper)}" for key, item in value.items())
+        entries = [f"{deeper}{line(key)}: {_block(item, deeper)}" for key, item in value.items()]
         return "{\n" + ",\n".join(entries) + f"\n{indent}}}"
-    if isinstance(value, list | tuple) and not _flat(value):
-        return "[\n" + ",\n".join(deeper + _block(item, deeper) for item in value) + f"\n{indent}]"
-    return line({} if isinstance(value, Mapping) else value)
+    if _flat(value):
+        return line(value)
+    return "[\n" + ",\n".join([deeper + _block(item, deeper) for item in value]) + f"\n{indent}]"
 
 
 def _flat(items: Iterable[Any]) -> bool:
-    return not any(isinstance(item, Mapping | list | tuple) for item in items)
+    return _CONTAINERS.isdisjoint(map(type, items))
 
 
-def _key(key: Any) -> str:
+def _check_key(key: Any) -> None:
     if not isinstance(key, str):
         raise TypeError(f"keys of a result are strings, not {type(key).__name__}")
-    return key
 
 
 def _not_finite(value: Any, place: str) -> str:
-    if isinstance(value, Mapping):
+    if isinstance(value, dict):
         found = (_not_finite(item, f"{place}.{key}" if place else str(key)) for key, item in value.items())
     elif isinstance(value, list | tuple):
         found = (_not_finite(item, f"{place}[{index}]") for index, item in enumerate(value))

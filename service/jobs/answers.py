@@ -19,6 +19,8 @@ from service.worker.lane import Lane, Task
 
 MEMORY_BYTES = 64 << 20
 PRUNE_EVERY = 50
+STORE_AFTER_S = 0.05
+"""Answers are stored together, so long after the first of them: storing one at once would delay its way out."""
 _log = logging.getLogger("samplerscope.answers")
 
 
@@ -60,6 +62,7 @@ class Answers:
     _memory_bytes: int = 0
     # Keys on disk, and some that were pruned since: what is not among them need not be looked for.
     _on_disk: set[str] = field(default_factory=set)
+    _unstored: dict[str, Stored] = field(default_factory=dict)
     _kept: int = 0
     _clients: Counter[str] = field(default_factory=Counter)
     # SQLite in a thread of its own: the event loop never waits for the disk.
@@ -73,7 +76,8 @@ class Answers:
         return await asyncio.get_running_loop().run_in_executor(self._disk, work, *values)
 
     def close(self) -> None:
-        """Wait until everything is stored."""
+        """Store what is not stored yet, and wait for that."""
+        self._store_all()
         self._disk.shutdown(wait=True)
 
     async def find(self, key: str) -> Stored | None:
@@ -81,6 +85,8 @@ class Answers:
         if key in self._memory:
             self._memory.move_to_end(key)
             return self._memory[key]
+        if key in self._unstored:
+            return self._unstored[key]
         if key not in self._on_disk:
             return None
         found: Stored | None = await self.on_disk(self.store.result, key)
@@ -184,15 +190,26 @@ class Answers:
                 lane.cancel(task)
         stored = Stored.of(message.blobs[0])
         self.remember(key, stored)
-        self._disk.submit(self._keep, key, stored)
+        self._store_soon(key, stored)
         queue_ms = 1e3 * ((task.begun or task.created) - task.created)
         return Answered(stored, {"queue": queue_ms, **message.head["timings"]})
 
-    def _keep(self, key: str, stored: Stored) -> None:
+    def _store_soon(self, key: str, stored: Stored) -> None:
+        if not self._unstored:
+            asyncio.get_running_loop().call_later(STORE_AFTER_S, self._store_all)
+        self._unstored[key] = stored
+
+    def _store_all(self) -> None:
+        if self._unstored:
+            self._disk.submit(self._keep, self._unstored)
+            self._unstored = {}
+
+    def _keep(self, answers: Mapping[str, Stored]) -> None:
         try:
-            self.store.keep_result(key, stored)
-            self._kept += 1
-            if self._kept % PRUNE_EVERY == 0:
+            self.store.keep_results(answers)
+            self._kept += len(answers)
+            if self._kept >= PRUNE_EVERY:
+                self._kept = 0
                 self.store.prune()
         except Exception:
-            _log.exception("an answer could not be stored")
+            _log.exception("%d answers could not be stored", len(answers))

@@ -129,14 +129,19 @@ class Store:
                 database.execute("UPDATE result SET used = ? WHERE key = ?", (time.time(), key))
         return None if row is None else Stored(bytes(row[0]), row[1])
 
-    def keep_result(self, key: str, stored: Stored) -> Stored:
-        """Store bytes and return those that are stored: the first that came, so that equal questions get equal ones."""
+    def keep_results(self, results: Mapping[str, Stored]) -> None:
+        """Store bytes by their keys. Where some are stored already, those stay: equal questions get equal bytes."""
         now = time.time()
+        rows = [(key, stored.etag, stored.content, now, now) for key, stored in results.items()]
         with self._transaction() as database:
-            row = (key, stored.etag, stored.content, now, now)
-            database.execute("INSERT OR IGNORE INTO result (key, etag, content, used, created) VALUES (?,?,?,?,?)", row)
-            kept = database.execute("SELECT content, etag FROM result WHERE key = ?", (key,)).fetchone()
-        return Stored(bytes(kept[0]), kept[1])
+            database.executemany(
+                "INSERT OR IGNORE INTO result (key, etag, content, used, created) VALUES (?,?,?,?,?)", rows
+            )
+
+    def keep_result(self, key: str, stored: Stored) -> Stored:
+        """Store bytes as :meth:`keep_results` does, and return those that are stored now."""
+        self.keep_results({key: stored})
+        return self.result(key) or stored
 
     def prune(self) -> None:
         """Forget what is too old, and what was used least recently above the limits of size and number."""

@@ -1,18 +1,19 @@
 """The worker's own side: reads tasks, does one at a time, sends what it finds, and shows that it lives.
 
-Three threads: the main one works, one reads, one sends a beat every quarter of a second. The end of the socket is the
-end of the process, whatever the device is doing.
+Two threads: the main one works, and reads at every step of its work; the other sends a beat every quarter of a second.
+The end of the socket is the end of the process, whatever the device is doing.
 """
 
 from __future__ import annotations
 
 import gc
 import os
-import queue
+import select
 import socket
 import threading
 import time
 import traceback
+from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -35,13 +36,14 @@ class Worker:
         self._connection = connection
         self._with_device = with_device
         self._sending = threading.Lock()
-        self._tasks: queue.SimpleQueue[Message] = queue.SimpleQueue()
+        self._arrivals = select.poll()
+        self._arrivals.register(connection, select.POLLIN)
+        self._tasks: deque[Message] = deque()
         self._stops: set[int] = set()
 
     def run(self) -> int:
         """Work until the socket ends the process. Returns an exit code where there is no device to work with."""
         threading.Thread(target=self._beat, daemon=True).start()
-        threading.Thread(target=self._read, daemon=True).start()
         if not self._with_device:
             self._say("hello", device=None)
             return self._serve(None)
@@ -58,12 +60,15 @@ class Worker:
 
     def _serve(self, engine: Engine | None) -> int:
         while True:
-            self._do(self._tasks.get(), engine, lambda: self._serve_guests(engine))
+            while not self._tasks:
+                self._read()
+            self._do(self._tasks.popleft(), engine, lambda: self._serve_guests(engine))
 
     def _serve_guests(self, engine: Engine | None) -> None:
         """Do what the server sent while a task was under way: it knows that this is to go first."""
-        while not self._tasks.empty():
-            self._do(self._tasks.get(), engine, lambda: None)
+        self._read_arrived()
+        while self._tasks:
+            self._do(self._tasks.popleft(), engine, self._read_arrived)
 
     def _do(self, task: Message, engine: Engine | None, give_way: Callable[[], None]) -> None:
         number = task.head["id"]
@@ -79,14 +84,20 @@ class Worker:
             self._say("failed", id=number, error=_described(error))
         self._stops.discard(number)
 
+    def _read_arrived(self) -> None:
+        """Read what has arrived, without waiting for more."""
+        while self._arrivals.poll(0):
+            self._read()
+
     def _read(self) -> None:
-        with self._connection.makefile("rb") as stream:
-            while (message := protocol.read(stream)) is not None:
-                if message.head["do"] == "stop":
-                    self._stops.add(message.head["id"])
-                else:
-                    self._tasks.put(message)
-        os._exit(0)
+        """Read one message, and wait for it where there is none."""
+        message = protocol.receive(self._connection)
+        if message is None:
+            os._exit(0)
+        if message.head["do"] == "stop":
+            self._stops.add(message.head["id"])
+        else:
+            self._tasks.append(message)
 
     def _beat(self) -> None:
         while True:

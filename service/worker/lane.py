@@ -19,7 +19,6 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from service.errors import SamplerscopeError
-from service.worker import protocol
 from service.worker.process import NoDevice, WorkerLost, WorkerProcess
 from service.worker.protocol import Message
 
@@ -104,7 +103,6 @@ class Lane:
         self.failure: Exception | None = None
         self.restarts = 0
         self._on_restart = on_restart
-        self._wake = asyncio.Event()
         self._up = asyncio.Event()
         self._closing = False
         self._keeper: asyncio.Task[None] | None = None
@@ -143,7 +141,8 @@ class Lane:
         if len(self.waiting) >= self.settings.limit and not beyond_limit:
             raise QueueFull(f"{len(self.waiting)} tasks wait already, which is the limit")
         self.waiting.append(task)
-        self._wake.set()
+        if self.worker is not None:
+            self.worker.inbox.put_nowait(_NEW_TASK)
 
     def cancel(self, task: Task) -> None:
         """End a task: at once where it waits, at its next launch where it runs."""
@@ -188,14 +187,14 @@ class Lane:
 
     async def _work(self, worker: WorkerProcess) -> None:
         """Give tasks to a worker until it is lost."""
-        reader = _Reader(worker, self.settings)
+        watch = _Watch(worker, self.settings)
         while True:
+            watch.expect(within_s=math.inf)
             while not self.waiting:
-                self._wake.clear()
-                if not await reader.idle(self._wake):
+                if await watch.next() is None:
                     return
             try:
-                lost = await self._do(min(self.waiting, key=_had_least), worker, reader)
+                lost = await self._do(min(self.waiting, key=_had_least), worker, watch)
             except (KeyError, ValueError, TypeError, IndexError):
                 # What a damaged worker says may be anything; it is replaced like one that says nothing.
                 _log.exception("a worker talks nonsense", extra={"lane": self.settings.name})
@@ -206,7 +205,7 @@ class Lane:
                 self.at_work.clear()
                 return
 
-    async def _do(self, task: Task, worker: WorkerProcess, reader: _Reader) -> bool:
+    async def _do(self, task: Task, worker: WorkerProcess, watch: _Watch) -> bool:
         """Have a waiting task done; whether the worker was lost over it. One that gave way is back in the queue."""
         self.waiting.remove(task)
         self.at_work.append(task)
@@ -214,11 +213,11 @@ class Lane:
         task.begun = task.begun or begin
         served_before, stopping = task.served_s, False
         worker.send(task.message())
-        reader.expect()
+        watch.expect(within_s=self.settings.stall_timeout_s)
         if task.cancelled:
             worker.send(Message({"do": "stop", "id": task.number}))
         while task in self.at_work:
-            message = await reader.next()
+            message = await watch.next()
             if message is None:
                 return True
             task.served_s = served_before + time.monotonic() - begin
@@ -231,7 +230,7 @@ class Lane:
             guest = self._guest_of(task)
             if guest is not None:
                 arrived = time.monotonic()
-                if await self._do(guest, worker, reader):
+                if await self._do(guest, worker, watch):
                     return True
                 begin += time.monotonic() - arrived
         return False
@@ -301,67 +300,47 @@ def _had_least(task: Task) -> tuple[float, int]:
     return task.served_s, task.number
 
 
-class _Reader:
+_NEW_TASK = Message({"say": "new-task"})
+"""Put into the inbox of a worker, it ends the wait of one that has nothing to do."""
+
+
+class _Watch:
     """Messages of a worker, with the two clocks that find one that hangs: its beats, and its getting further."""
 
     def __init__(self, worker: WorkerProcess, settings: LaneSettings) -> None:
         self._worker = worker
         self._settings = settings
-        self._next: asyncio.Task[Message | None] | None = None
-        self._further_by = math.inf
+        self.expect(within_s=math.inf)
 
-    def _pending(self) -> asyncio.Task[Message | None]:
-        if self._next is None:
-            self._next = asyncio.create_task(protocol.read_from(self._worker.reader))
-        return self._next
-
-    async def idle(self, wake: asyncio.Event) -> bool:
-        """Watch an idle worker until `wake`; whether it still lives."""
-        waker = asyncio.create_task(wake.wait())
-        try:
-            while not wake.is_set():
-                pending = self._pending()
-                done, _ = await asyncio.wait(
-                    {pending, waker}, timeout=self._settings.beat_timeout_s, return_when=asyncio.FIRST_COMPLETED
-                )
-                if not done and not await self._arrived():
-                    return self._hangs("no sign of life")
-                if pending in done and self._taken() is None:
-                    return False
-            return True
-        finally:
-            waker.cancel()
-
-    def expect(self) -> None:
-        """A task was given: it has to get further from now on."""
-        self._further_by = time.monotonic() + self._settings.stall_timeout_s
+    def expect(self, within_s: float) -> None:
+        """From now on the worker has to get further within so many seconds, again and again."""
+        self._within_s = within_s
+        self._further_by = time.monotonic() + within_s
 
     async def next(self) -> Message | None:
         """The next message, be it a beat; None where the worker ended, shows no life, or does not get further."""
-        if not await self._arrived():
-            self._hangs("no sign of life")
+        try:
+            message = await self._arrived()
+        except asyncio.QueueEmpty:
+            self._log_hang("no sign of life")
             return None
-        message = self._taken()
-        if message is None or message.head.get("say") != "beat":
-            self.expect()
+        say = message.head.get("say") if message is not None else None
+        if say not in ("beat", "new-task"):
+            self.expect(self._within_s)
         elif time.monotonic() > self._further_by:
-            self._hangs("a task does not get further")
+            self._log_hang("a task does not get further")
             return None
         return message
 
-    async def _arrived(self) -> bool:
-        """Wait for the next message, as long as two beats may be apart."""
-        pending = self._pending()
-        done, _ = await asyncio.wait({pending}, timeout=self._settings.beat_timeout_s)
-        if not done:
+    async def _arrived(self) -> Message | None:
+        """The next message. Raises asyncio.QueueEmpty when it takes longer than two beats may be apart."""
+        try:
+            async with asyncio.timeout(self._settings.beat_timeout_s):
+                return await self._worker.inbox.get()
+        except TimeoutError:
             # If this process was the one that stood still, what arrived meanwhile is read now.
             await asyncio.sleep(0.05)
-        return pending.done()
+            return self._worker.inbox.get_nowait()
 
-    def _taken(self) -> Message | None:
-        pending, self._next = self._next, None
-        return pending.result() if pending is not None else None
-
-    def _hangs(self, why: str) -> bool:
+    def _log_hang(self, why: str) -> None:
         _log.error("worker hangs: %s", why, extra={"lane": self._settings.name, "worker": self._worker.process.pid})
-        return False

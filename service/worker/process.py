@@ -12,8 +12,7 @@ import sys
 from typing import Any
 
 from service.errors import SamplerscopeError
-from service.worker import protocol
-from service.worker.protocol import Message
+from service.worker.protocol import Message, Unpacker
 
 START_S = 60.0
 _LOG_BYTES = 1 << 16
@@ -28,15 +27,39 @@ class WorkerLost(SamplerscopeError):
     """The worker ended, or was ended because it hung, while it worked on this."""
 
 
+class _Arrivals(asyncio.Protocol):
+    """Puts what a worker says into its inbox; None where the worker ended, or what it said is no message."""
+
+    def __init__(self, inbox: asyncio.Queue[Message | None]) -> None:
+        self._inbox = inbox
+        self._unpacker = Unpacker()
+
+    def data_received(self, data: bytes) -> None:
+        try:
+            for message in self._unpacker.feed(data):
+                self._inbox.put_nowait(message)
+        except (ValueError, KeyError, TypeError, AttributeError):
+            self._inbox.put_nowait(None)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._inbox.put_nowait(None)
+
+
 class WorkerProcess:
-    """A running worker that has said hello. `device` is what it found: name, driver, threads; None without one."""
+    """A running worker that has said hello. `device` is what it found: name, driver, threads; None without one.
+
+    What it says comes to `inbox`, and None at its end.
+    """
 
     def __init__(
-        self, process: asyncio.subprocess.Process, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
+        self,
+        process: asyncio.subprocess.Process,
+        transport: asyncio.WriteTransport,
+        inbox: asyncio.Queue[Message | None],
     ) -> None:
         self.process = process
-        self.reader = reader
-        self.writer = writer
+        self.inbox = inbox
+        self._transport = transport
         self.device: dict[str, Any] | None = None
         self._log_copy = asyncio.create_task(self._copy_log())
 
@@ -60,8 +83,10 @@ class WorkerProcess:
             )
         with contextlib.suppress(OSError):
             os.setpriority(os.PRIO_PROCESS, process.pid, os.getpriority(os.PRIO_PROCESS, 0) + nice)
-        reader, writer = await asyncio.open_connection(sock=ours)
-        worker = cls(process, reader, writer)
+        inbox: asyncio.Queue[Message | None] = asyncio.Queue()
+        loop = asyncio.get_running_loop()
+        transport, _ = await loop.create_connection(lambda: _Arrivals(inbox), sock=ours)
+        worker = cls(process, transport, inbox)
         try:
             async with asyncio.timeout(START_S):
                 await worker._await_hello()
@@ -73,7 +98,7 @@ class WorkerProcess:
         return worker
 
     async def _await_hello(self) -> None:
-        while (message := await protocol.read_from(self.reader)) is not None:
+        while (message := await self.inbox.get()) is not None:
             match message.head["say"]:
                 case "hello":
                     self.device = message.head["device"]
@@ -84,8 +109,8 @@ class WorkerProcess:
 
     def send(self, message: Message) -> None:
         """Send a message; one to a worker that has ended is lost."""
-        with contextlib.suppress(ConnectionError, RuntimeError):
-            self.writer.write(message.packed())
+        if not self._transport.is_closing():
+            self._transport.write(message.packed())
 
     async def end(self) -> None:
         """Kill the process with what it started (a compiler), wait for it and close the socket."""
@@ -93,9 +118,7 @@ class WorkerProcess:
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(self.process.pid, signal.SIGKILL)
         await self.process.wait()
-        self.writer.close()
-        with contextlib.suppress(ConnectionError):
-            await self.writer.wait_closed()
+        self._transport.abort()
         await self._log_copy
 
     async def _copy_log(self) -> None:

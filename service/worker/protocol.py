@@ -1,17 +1,18 @@
-"""Messages between server and worker: a JSON head and raw bytes, with their lengths before them.
+"""Messages between server and worker: a JSON head and raw bytes, with the lengths of both before them.
 
 Nothing that a worker sends is executed or unpickled by the server: a worker's memory may have been damaged by a shader.
 """
 
 from __future__ import annotations
 
-import asyncio
 import json
+import socket
 import struct
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, BinaryIO
+from typing import Any
 
-_LENGTH = struct.Struct("<I")
+_LENGTHS = struct.Struct("<II")
 _LONGEST = 1 << 30
 
 
@@ -24,33 +25,63 @@ class Message:
 
     def packed(self) -> bytes:
         """The bytes that are sent."""
-        head = json.dumps({**self.head, "blobs": [len(blob) for blob in self.blobs]}).encode()
-        return b"".join([_LENGTH.pack(len(head)), head, *self.blobs])
+        sizes = [len(blob) for blob in self.blobs]
+        head = json.dumps({**self.head, "blobs": sizes}).encode()
+        return b"".join([_LENGTHS.pack(len(head), sum(sizes)), head, *self.blobs])
 
 
-def read(stream: BinaryIO) -> Message | None:
-    """The next message of a blocking stream, or None where it ended."""
-    prefix = stream.read(_LENGTH.size)
-    if len(prefix) < _LENGTH.size:
+class Unpacker:
+    """Messages out of bytes that arrive in pieces of any size."""
+
+    def __init__(self) -> None:
+        self._bytes = bytearray()
+        self._missing = _LENGTHS.size
+
+    def feed(self, piece: bytes) -> Iterator[Message]:
+        """Every message that this piece completes. Raises ValueError or TypeError where the bytes are none."""
+        self._bytes += piece
+        while len(self._bytes) >= self._missing:
+            head, blobs = _lengths(self._bytes)
+            end = _LENGTHS.size + head + blobs
+            if len(self._bytes) < end:
+                self._missing = end
+                return
+            yield _unpacked(bytes(self._bytes[_LENGTHS.size : end]), head)
+            del self._bytes[:end]
+            self._missing = _LENGTHS.size
+
+
+def receive(connection: socket.socket) -> Message | None:
+    """Wait for the next message; None where the other side has ended."""
+    prefix = _exactly(connection, _LENGTHS.size)
+    if len(prefix) < _LENGTHS.size:
         return None
-    head = json.loads(stream.read(_length(prefix)))
-    return Message(head, tuple(stream.read(size) for size in head.pop("blobs")))
+    head, blobs = _lengths(prefix)
+    content = _exactly(connection, head + blobs)
+    return _unpacked(content, head) if len(content) == head + blobs else None
 
 
-async def read_from(reader: asyncio.StreamReader) -> Message | None:
-    """The next message of a stream, or None where it ended or holds no message."""
-    try:
-        head = json.loads(await reader.readexactly(_length(await reader.readexactly(_LENGTH.size))))
-        sizes = head.pop("blobs")
-        if sum(sizes) > _LONGEST:
-            return None
-        return Message(head, tuple([await reader.readexactly(size) for size in sizes]))
-    except (asyncio.IncompleteReadError, ConnectionError, ValueError, KeyError, TypeError):
-        return None
+def _exactly(connection: socket.socket, count: int) -> bytes:
+    """So many bytes, or fewer where the stream ends before."""
+    pieces: list[bytes] = []
+    while count and (piece := connection.recv(count, socket.MSG_WAITALL)):
+        pieces.append(piece)
+        count -= len(piece)
+    return b"".join(pieces)
 
 
-def _length(prefix: bytes) -> int:
-    length: int = _LENGTH.unpack(prefix)[0]
-    if length > _LONGEST:
-        raise ValueError(f"a message head of {length} bytes")
-    return length
+def _lengths(prefix: bytes | bytearray) -> tuple[int, int]:
+    """Bytes of the head and of all blobs."""
+    head, blobs = _LENGTHS.unpack_from(prefix)
+    if head + blobs > _LONGEST:
+        raise ValueError(f"a message of {head + blobs} bytes")
+    return head, blobs
+
+
+def _unpacked(content: bytes, length: int) -> Message:
+    head = json.loads(content[:length])
+    blobs: list[bytes] = []
+    for size in head.pop("blobs"):
+        blobs.append(content[length : length + size])
+        length += size
+    return Message(head, tuple(blobs))
