@@ -104,6 +104,15 @@ def select(
     return Subject(given, catalogue, the_model, chosen, fixed)
 
 
+def require_in_range(subject: Subject) -> None:
+    """Raise BadInput where a fixed parameter is outside its range. (A replay may be: the edge grid looks beyond.)"""
+    for technique in subject.techniques:
+        declared = subject.catalogue.parameters_of(subject.model, technique)
+        for name, value in subject.fixed.items():
+            if not declared[name].min <= value <= declared[name].max:
+                raise BadInput(Problem(f"parameters.{name}", value, declared[name].allowed))
+
+
 def _usual_model(technique: Entry, catalogue: Catalogue) -> str:
     made_for = technique.head.models
     if made_for == "any" or DEFAULT_MODEL in made_for:

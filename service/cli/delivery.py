@@ -13,6 +13,10 @@ if TYPE_CHECKING:
     from service.statistics import Progress
 
 
+MANY_SAMPLES = 10_000_000
+"""From here on the line of progress counts them."""
+
+
 class ProgressLine:
     """Progress on stderr: a line that is rewritten on a terminal, else one line for each technique."""
 
@@ -25,7 +29,8 @@ class ProgressLine:
 
     def _advance(self, name: str, done: int, total: int) -> None:
         if self._terminal:
-            line = f"{done / total:4.0%}  {done / 1e6:.0f} of {total / 1e6:.0f} million samples  {name}"
+            counts = f"{done / 1e6:.0f} of {total / 1e6:.0f} million samples  " if total >= MANY_SAMPLES else ""
+            line = f"{done / total:4.0%}  {counts}{name}"
             click.echo(f"\r{line:<{len(self._last)}}", nl=False, err=True)
             self._last = line
         elif name != self._last:
@@ -49,21 +54,27 @@ class StageLine(ProgressLine):
 
 
 def deliver(
-    compute: Callable[[], dict[str, Any]], format_: str | None, outputs: tuple[str, ...], draw: Draw | None = None
+    kind: str,
+    compute: Callable[[], dict[str, Any]],
+    format_: str | None,
+    outputs: tuple[str, ...],
+    draw: Draw | None = None,
 ) -> None:
-    """Write a result to the files asked for, else to stdout. Formats and paths are checked before anything is computed.
+    """Write a result of this kind to the files asked for, else to stdout. Formats and paths are checked before anything
+    is computed.
 
     With files in the formats of their suffixes, the table still goes to stdout. `draw` makes the chart for pictures, by
     default that of the result's kind.
     """
     from service import formats
-    from service.formats.targets import require_format, target
+    from service.formats.targets import STDOUT, require_format, target
 
-    require_format(format_ or "table")
-    targets = [target(path, format_) for path in outputs]
+    require_format(format_ or "table", kind)
+    targets = [target(path, format_, kind) for path in outputs]
     result = compute()
     for path, name in targets:
-        formats.write(result, path, name, draw)
-    if format_ is None or not targets:
+        if path not in STDOUT:
+            formats.write(result, path, name, draw)
+    if format_ is None or not targets or any(path in STDOUT for path, _ in targets):
         sys.stdout.buffer.write(formats.encode(result, format_ or "table", draw))
         sys.stdout.buffer.flush()

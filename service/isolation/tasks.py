@@ -14,7 +14,7 @@ from typing import Any
 from service.catalogue import Catalogue, Entry, load_catalogue
 from service.checks.battery import Battery, run_battery
 from service.checks.replaying import replay_inputs
-from service.checks.selection import Subject, select, with_files
+from service.checks.selection import Subject, require_in_range, select, with_files
 from service.convergence import compute_convergence, parse_convergence_scene
 from service.engine import Engine
 from service.errors import BadInput, Problem
@@ -38,6 +38,7 @@ def stay_open(engine: Engine, pairs: Pairs) -> None:
 def check(arguments: Arguments, progress: Progress, seal: Seal = stay_open) -> dict[str, Any]:
     """The battery over `subject`: a file, or a name of the catalogue."""
     subject = _subject(arguments)
+    require_in_range(subject)
     progress("compiling", 0, 1)
     with Engine.open(subject.catalogue, device=arguments["device"]) as engine:
         seal(engine, [(subject.model, technique) for technique in subject.techniques])

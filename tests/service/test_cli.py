@@ -73,6 +73,10 @@ def test_another_seed_gives_other_samples_of_the_same_law():
         (["--samples", "0"], ["samples", "0", "1 to"]),
         (["--samples", "-5"], ["samples", "-5", "1 to"]),
         (["--samples", "1.5"], ["samples", "1.5", "whole number"]),
+        (["--samples", "inf"], ["samples", "inf", "whole number"]),
+        (["--set", "roughness=1", "--set", "roughness=0.5"], ["roughness=0.5", "once"]),
+        (["--model", "eon", "--preset", "red-velvet"], ["model", "eon", "--preset red-velvet"]),
+        (["--model", "no-such.file"], ["no-such.file", "can be read"]),
         (["--method", "magic"], ["method", "magic", "mc"]),
         (["--statistics", "median"], ["statistics", "median", "variance"]),
         (["--format", "xml"], ["format", "xml", "json"]),
@@ -96,6 +100,55 @@ def test_an_unwritable_output_is_found_before_anything_is_computed(tmp_path):
     assert done.returncode == 2
     assert "folder" in done.stderr
     assert list((tmp_path / "folder.json").iterdir()) == []
+
+
+@pytest.mark.parametrize("option", [["--format", "png"], ["-o", "card.svg"]])
+def test_a_format_that_a_command_has_not_is_found_before_anything_is_computed(option, tmp_path):
+    done = run("stability", *option)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    (line,) = done.stderr.strip().splitlines()
+    assert "json" in line
+
+
+@pytest.mark.parametrize("name", ["-", "/dev/stdout"])
+def test_a_dash_is_standard_output_which_keeps_what_others_wrote_there(name, tmp_path):
+    out = tmp_path / "out.csv"
+    with out.open("w") as stream:
+        stream.write("first\n")
+        stream.flush()
+        command = [sys.executable, "-c", "from service.cli import main; main()", *SMALL, "--format", "csv", "-o", name]
+        subprocess.run(command, stdout=stream, stderr=subprocess.DEVNULL, timeout=120, check=True, cwd=tmp_path)
+    first, head, *rows = out.read_text().splitlines()
+    assert (first, head.split(",")[0], len(rows)) == ("first", "model", 4)
+    assert list(tmp_path.iterdir()) == [out]
+
+
+@pytest.mark.parametrize("closed", ["1>&-", "2>&-"])
+def test_a_stream_that_is_closed_is_no_error(closed):
+    script = f'"$0" -c "from service.cli import main; main()" {" ".join(SMALL)} {closed}'
+    done = subprocess.run(
+        ["/bin/sh", "-c", script, sys.executable], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert done.returncode == 0
+    assert "Traceback" not in done.stderr
+    assert ("variance" in done.stdout) == (closed == "2>&-")
+
+
+def test_a_count_may_have_an_exponent():
+    (plain,), (short,) = (
+        numbers(result_of("stats", "--technique", "cosine", "--angles", "1", "--samples", count))
+        for count in ("20000", "2e4")
+    )
+    assert plain == short
+
+
+def test_a_wrong_command_names_those_there_are_and_none_shows_the_help():
+    wrong, none = run("stat"), run()
+    assert wrong.returncode == none.returncode == 2
+    (line,) = wrong.stderr.strip().splitlines()
+    assert "stat: allowed is one of info, stats" in line
+    assert none.stderr.startswith("Usage: samplerscope")
 
 
 @pytest.mark.parametrize("variable", ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"])
@@ -132,6 +185,14 @@ def test_info_names_the_driver_and_the_catalogue():
     found = result_of("info")
     assert "llvmpipe" in found["device"]["name"]
     assert {entry["name"] for entry in found["catalogue"]["techniques"]} >= {"cosine", "cltc-mis"}
+    assert "red-velvet" in found["presets"]
+
+
+def test_the_text_of_info_keeps_names_and_titles_apart():
+    text = run("info").stdout
+    for kind in ("models", "techniques"):
+        for entry in result_of("info")["catalogue"][kind]:
+            assert f"  {entry['name']}  " in text
 
 
 def test_memory_does_not_grow_with_the_number_of_samples():

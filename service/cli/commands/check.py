@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 import sys
+from functools import partial
 from typing import Any
 
 import click
 
 from service.cli.delivery import StageLine, deliver
-from service.cli.options import integer, names, output_options
+from service.cli.options import integer, names, output_options, settings_of
 from service.cli.own_files import own_texts
 from service.errors import BadInput, Problem
 
 EXIT_FAILED = 1
 
 
-@click.command()
+@click.command(short_help="Is it right at all: the whole battery on one file or name.")
 @click.argument("subject")
-@click.option("--model", metavar="NAME", help="Model for a technique. Default: eon, or the first it is made for.")
+@click.option("--model", metavar="NAME|FILE", help="Model for a technique. Default: eon, or the first it is made for.")
 @click.option(
-    "--technique", "--techniques", metavar="NAME,...", help="Techniques for a model. Default: cosine,uniform."
+    "--technique", "--techniques", metavar="NAME|FILE,...", help="Techniques for a model. Default: cosine,uniform."
 )
 @click.option("--set", "settings", multiple=True, metavar="NAME=VALUE", help="Fix a parameter, which is swept else.")
 @click.option("--quick", is_flag=True, help="A few seconds, at the lower power that each check states.")
@@ -30,7 +31,7 @@ EXIT_FAILED = 1
 @click.option("--wo", metavar="X,Y,Z", help="Replay: evaluate once for this view, as numbers or float bits.")
 @click.option("--u", "u", metavar="U1,U2", help="Replay: the random numbers.")
 @click.option("--wi", metavar="X,Y,Z", help="Replay: the direction, in place of random numbers.")
-@output_options
+@partial(output_options, formats="table, json, csv")
 def check(
     subject: str,
     model: str | None,
@@ -54,14 +55,14 @@ def check(
         "subject": subject,
         "model": model,
         "techniques": names(technique),
-        "fixed": dict(_fixed(text) for text in settings),
+        "fixed": settings_of(settings, _fixed),
         "device": device,
         "quick": quick,
         "seed": _seed(seed),
     }
     if wo is not None:
         arguments |= _replay_inputs(wo, u, wi)
-        deliver(lambda: _run("replay", arguments), format_, outputs)
+        deliver("replay", lambda: _run("replay", arguments), format_, outputs)
         return
     if u is not None or wi is not None:
         raise BadInput(Problem("wo", None, "a view, where --u or --wi is given"))
@@ -77,7 +78,7 @@ def check(
             write_report(result, path)
         return result
 
-    deliver(compute, format_, outputs)
+    deliver("check", compute, format_, outputs)
     if result["status"] == "fail":
         sys.exit(EXIT_FAILED)
 

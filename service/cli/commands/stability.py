@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from functools import partial
 from typing import Any
 
 import click
@@ -13,21 +14,38 @@ from service.cli.own_files import answer_for_files, scene_texts
 from service.scene import parse_scene
 
 EXIT_FAILED = 1
+IDLE = dict.fromkeys(
+    (
+        "--zip",
+        "--angles",
+        "--theta-o-deg",
+        "--statistics",
+        "--method",
+        "--tolerance",
+        "--samples",
+        "--seed",
+        "--no-error-bars",
+        "--no-reference",
+    )
+)
+"""Options of a scene that play no part: the edge grid has its own directions, and draws nothing at random."""
 
 
-@click.command()
-@scene_options
+@click.command(short_help="Where float32 leaves the truth: stiff and extreme cases.")
+@partial(scene_options, helps=IDLE)
 @click.option(
     "--report", "reports", multiple=True, metavar="FILE", help="Report card as .html, .json or .md; repeatable."
 )
-@output_options
+@partial(output_options, formats="table, json, csv")
 def stability(
     reports: tuple[str, ...], format_: str | None, outputs: tuple[str, ...], device: str | None, **options: Any
 ) -> None:
     """Stiff and extreme cases: float32 against float64 where formulas break.
 
     Parameters that are set keep their values, the others run over the edges of their ranges. Exits with 1 where a value
-    is not finite or far from the truth.
+    is not finite or far from the truth. The model and techniques may be .glsl files.
+
+    The other options of a scene (view angles, samples, statistics and so on) are accepted and play no part.
     """
     from service.reports import require_report, write_report
 
@@ -41,7 +59,7 @@ def stability(
             write_report(result, path)
         return result
 
-    deliver(compute, format_, outputs)
+    deliver("stability", compute, format_, outputs)
     if result["status"] == "fail":
         sys.exit(EXIT_FAILED)
 

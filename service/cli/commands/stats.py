@@ -12,17 +12,19 @@ from service.cli.own_files import answer_for_files, scene_texts
 from service.scene import Scene, parse_scene
 
 
-@click.command()
+@click.command(short_help="Mean, variance and largest weight, with error bars and verdict.")
 @scene_options
 @output_options
 def stats(format_: str | None, outputs: tuple[str, ...], device: str | None, **options: Any) -> None:
-    """Mean, variance and largest weight of techniques across view angles. The model may be a .glsl file."""
+    """Mean, variance and largest weight of techniques across view angles. The model and techniques may be .glsl
+    files.
+    """
     data = scene_data(**options)
     if files := scene_texts(data):
-        deliver(lambda: answer_for_files("statistics", files, data, device), format_, outputs)
+        deliver("statistics", lambda: answer_for_files("statistics", files, data, device), format_, outputs)
         return
     scene = parse_scene(data)
-    deliver(lambda: statistics_of(scene, device), format_, outputs)
+    deliver("statistics", lambda: statistics_of(scene, device), format_, outputs)
 
 
 def statistics_of(scene: Scene, device: str | None) -> dict[str, Any]:

@@ -246,6 +246,8 @@ def test_functions_that_materialx_ships_are_checked_and_their_energy_gain_is_fou
         (["cosine", "--model", "phong"], "model = phong"),
         (["cosine", "--set", "roughness=x"], "set = roughness=x"),
         (["cosine", "--set", "gloss=1"], "parameters.gloss"),
+        (["cosine", "--set", "roughness=7"], "parameters.roughness = 7.0: allowed is 0 to 1"),
+        (["cosine", "--set", "roughness=1", "--set", "roughness=0"], "roughness=0: allowed is roughness once"),
         (["cosine", "--seed", "-1"], "seed = -1"),
         (["cosine", "--report", "card.pdf"], ".html"),
         (["cosine", "--u", "0,0"], "wo"),
