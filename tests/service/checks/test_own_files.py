@@ -70,6 +70,17 @@ def test_a_sound_file_passes_and_exits_with_0(own):
     assert result["model"] == "eon"
 
 
+def test_the_file_that_the_readme_shows_is_right_and_stands_beside_the_catalogue(tmp_path):
+    text = (Path(__file__).parents[3] / "README.md").read_text()
+    path = tmp_path / "my_cosine.glsl"
+    path.write_text(text.partition("```glsl\n")[2].partition("```")[0])
+    checked = samplerscope("check", path, "--quick")
+    assert checked.returncode == 0, checked.stdout + checked.stderr
+    options = ["--technique", f"{path},cosine,cltc-mis", "--angles", "4", "--samples", "1e4", "--format", "json"]
+    series = json.loads(samplerscope("stats", *options).stdout)["series"]
+    assert [one["technique"] for one in series] == ["my-cosine", "cosine", "cltc-mis"]
+
+
 def test_a_broken_file_exits_with_1_and_writes_every_report(tmp_path):
     reports = [tmp_path / f"card{suffix}" for suffix in (".html", ".json", ".md")]
     options = [word for path in reports for word in ("--report", path)]
