@@ -62,14 +62,17 @@ class Commands:
             Dispatch(pipeline, buffers, self._checked_groups(groups), bytes(push_constants), barrier)
         )
 
-    def submit(self) -> Submission:
-        """Start the work; returns at once. Raises InvalidArgument where nothing was recorded."""
+    def submit(self, *, timed: bool = True) -> Submission:
+        """Start the work; returns at once. Raises InvalidArgument where nothing was recorded.
+
+        `timed=False` does without the device's clock, which on lavapipe takes longer than a small dispatch itself.
+        """
         if not self._dispatches:
             raise InvalidArgument("nothing to submit: no dispatch was recorded")
         for dispatch in self._dispatches:
             for thing in (dispatch.pipeline, *dispatch.buffers):
                 thing.check_open()
-        return self._device.submit(tuple(self._dispatches))
+        return self._device.submit(tuple(self._dispatches), timed=timed)
 
     def _checked_groups(self, groups: tuple[int, int, int]) -> tuple[int, int, int]:
         limits = self._device.info.max_groups

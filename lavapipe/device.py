@@ -132,10 +132,10 @@ class Device:
         commands.dispatch(pipeline, buffers, groups, push_constants)
         return commands.submit().wait(timeout_s)
 
-    def submit(self, dispatches: Sequence[Dispatch]) -> Submission:
+    def submit(self, dispatches: Sequence[Dispatch], *, timed: bool) -> Submission:
         """Start recorded work; `Commands.submit` is the door to it."""
         self._check_open()
-        submission = Submission(self, dispatches)
+        submission = Submission(self, dispatches, timed=timed)
         self.check_messages()
         return submission
 

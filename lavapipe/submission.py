@@ -25,8 +25,8 @@ _LONGEST_WAIT_NS = 50_000_000
 class DeviceTime:
     """How long the device worked, in ns: in all, and for each dispatch in order.
 
-    The first dispatch of a pipeline includes its compilation by the driver. A device without timestamps gives the
-    host's time between submit and the end of the wait as the whole, and no dispatches.
+    The first dispatch of a pipeline includes its compilation by the driver. A device without timestamps, and work that
+    is not to be timed, gives the host's time between submit and the end of the wait as the whole, and no dispatches.
     """
 
     total_ns: int
@@ -36,11 +36,11 @@ class DeviceTime:
 class Submission(Resource):
     """Work on its way, made by `Commands.submit`. Closing it waits for its end."""
 
-    def __init__(self, device: Device, dispatches: Sequence[Dispatch]) -> None:
+    def __init__(self, device: Device, dispatches: Sequence[Dispatch], *, timed: bool) -> None:
         self._device = device
         self._logical = device.logical.handle
         self._time: DeviceTime | None = None
-        self._stamps = len(dispatches) + 1 if device.info.timestamp_ns is not None else 0
+        self._stamps = len(dispatches) + 1 if timed and device.info.timestamp_ns is not None else 0
         with ExitStack() as teardown:
             for thing in {thing for d in dispatches for thing in (d.pipeline, *d.buffers)}:
                 thing.hold()

@@ -8,7 +8,7 @@ from typing import Any
 
 import altair as alt
 
-THETA_O = "θ\u2092"
+THETA_O = "θo"
 
 _MOST_DECADES = 7
 _LEAST_SPAN = 0.02

@@ -19,8 +19,8 @@ def slices_chart(result: Mapping[str, Any], title: str | None = None) -> AnyChar
     colour = alt.Color("model:N", scale=alt.Scale(domain=models, range=[s[0] for s in styles]), legend=legend)
     dash = alt.StrokeDash("model:N", scale=alt.Scale(domain=models, range=[list(s[1]) for s in styles]), legend=legend)
     top = max(value for one in result["series"] for value in one["value"] if value is not None)
-    y = alt.Y("value:Q", title="f cos θ\u1d62 (1/sr)", scale=alt.Scale(domain=[0, 1.05 * top], nice=False))
-    x = alt.X("theta_i_deg:Q", title="light angle θ\u1d62 (degrees), positive on the view's side",
+    y = alt.Y("value:Q", title="f cos θi (1/sr)", scale=alt.Scale(domain=[0, 1.05 * top], nice=False))
+    x = alt.X("theta_i_deg:Q", title="light angle θi (degrees), positive on the view's side",
               scale=alt.Scale(domain=[-90, 90]), axis=alt.Axis(values=list(range(-90, 91, 30))))  # fmt: skip
     charts = []
     for angle in dict.fromkeys(one["theta_o_deg"] for one in result["series"]):

@@ -114,6 +114,12 @@ def place(probe: Probe, points: Points, comparison: Comparison, i: int) -> dict[
     }
 
 
+def _in_places(effect: Array, unit: Array) -> Array:
+    """A change of the true value in units of its last place, which may be beyond what float64 holds: then 1e300."""
+    with np.errstate(over="ignore"):
+        return np.minimum(effect / unit, 1e300)
+
+
 def exceptions(
     points: Points, comparison: Comparison, effect: Array, at_horizon: Array, of_direction: Array | None = None
 ) -> list[Exceptional]:
@@ -127,12 +133,12 @@ def exceptions(
         unit, size = np.full(len(points), DIRECTION_ULP), np.ones(len(points))
     else:
         unit, size = last_place(comparison.truth), np.maximum(np.abs(comparison.truth), SMALLEST)
-    allowed = effect / unit
+    allowed = _in_places(effect, unit)
     over = points.inside & (comparison.ulp > ULP_LIMIT)
     relative = comparison.ulp * unit / size
     stiff = over & (comparison.ulp <= ULP_LIMIT * (1.0 + allowed))
     border = over & ~stiff & at_horizon
-    by_direction = None if of_direction is None else of_direction / unit
+    by_direction = None if of_direction is None else _in_places(of_direction, unit)
     blurred = (
         over
         & ~stiff

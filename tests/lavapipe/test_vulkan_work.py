@@ -64,6 +64,17 @@ def test_device_time_is_close_to_the_clock(device: Device, values: Buffer, slow:
     assert elapsed.total_ns == sum(elapsed.dispatch_ns)
 
 
+def test_work_that_is_not_timed_does_the_same(device: Device, values: Buffer, step: Pipeline) -> None:
+    commands = device.record()
+    for _ in range(10):
+        commands.dispatch(step, [values], (1, 1, 1))
+    begin = time.perf_counter_ns()
+    elapsed = commands.submit(timed=False).wait(30)
+    assert (values.array == (3**10 - 1) // 2).all()
+    assert elapsed.dispatch_ns == ()
+    assert 0 < elapsed.total_ns <= time.perf_counter_ns() - begin
+
+
 def test_timeout_raises_and_the_work_can_be_waited_for_again(device: Device, values: Buffer, slow: Pipeline) -> None:
     commands = device.record()
     commands.dispatch(slow, [values], (200, 1, 1))

@@ -184,8 +184,8 @@ def test_up_to_which_angle_cosine_has_less_variance_than_the_own_technique_at_sl
     assert after is None or not cosine_wins(after)
 
 
-def test_printed_arc_tangent_without_quadrant_would_lose_half_of_the_half_vectors():
-    """The sampler fills all four quadrants evenly: what eq. 17 says once its quadrant is put right."""
+def test_half_vectors_fill_all_four_quadrants_evenly():
+    """What eq. 17 says once its arc tangent has a quadrant."""
     u = np.random.default_rng(5).random((2, 100_000))
     wi, _ = load_technique("beckmann-half-vector").sample(view(0.0), *u, {"mx": 0.2, "my": 0.6})
     quadrants = np.bincount(2 * (wi[:, 0] > 0) + (wi[:, 1] > 0), minlength=4)
