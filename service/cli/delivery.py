@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -12,6 +13,9 @@ if TYPE_CHECKING:
     from service.formats.encoding import Draw
     from service.statistics import Progress
 
+
+NARROWEST = 60
+"""Columns that a table takes at least, whatever the terminal."""
 
 MANY_SAMPLES = 10_000_000
 """From here on the line of progress counts them."""
@@ -76,5 +80,16 @@ def deliver(
         if path not in STDOUT:
             formats.write(result, path, name, draw)
     if format_ is None or not targets or any(path in STDOUT for path, _ in targets):
-        sys.stdout.buffer.write(formats.encode(result, format_ or "table", draw))
+        shown = _fitted(kind, result) if (format_ or "table") == "table" else None
+        sys.stdout.buffer.write(shown or formats.encode(result, format_ or "table", draw))
         sys.stdout.buffer.flush()
+
+
+def _fitted(kind: str, result: dict[str, Any]) -> bytes | None:
+    """The table of statistics for a terminal that is narrower than the table otherwise is; else None."""
+    width = shutil.get_terminal_size().columns
+    if kind != "statistics" or not sys.stdout.isatty():
+        return None
+    from service.formats.table import WIDTH, statistics_table
+
+    return statistics_table(result, max(width, NARROWEST)).encode() if width < WIDTH else None

@@ -1,5 +1,6 @@
 """The command line as a user meets it: in a process of its own, on the real driver."""
 
+import contextlib
 import json
 import os
 import subprocess
@@ -109,6 +110,29 @@ def test_a_format_that_a_command_has_not_is_found_before_anything_is_computed(op
     assert done.stdout == ""
     (line,) = done.stderr.strip().splitlines()
     assert "json" in line
+
+
+@pytest.mark.parametrize("columns", [80, 200])
+def test_a_table_fits_a_narrow_terminal(columns):
+    """On a pseudo-terminal, where the table of a file or a pipe has lines of over 80 columns."""
+    command = [sys.executable, "-c", "from service.cli import main; main()", *SMALL]
+    here, there = os.openpty()
+    done = subprocess.Popen(
+        command, stdout=there, stderr=subprocess.DEVNULL, env={**os.environ, "COLUMNS": str(columns)}
+    )
+    os.close(there)
+    shown = b""
+    with contextlib.suppress(OSError):  # the end of a pseudo-terminal
+        while part := os.read(here, 1 << 16):
+            shown += part
+    os.close(here)
+    assert done.wait(60) == 0
+    lines = shown.decode().replace("\r\n", "\n").splitlines()
+    assert "variance" in shown.decode()
+    if columns == 80:
+        assert max(map(len, lines)) <= 80
+    else:
+        assert 80 < max(map(len, lines)) <= 120
 
 
 @pytest.mark.parametrize("name", ["-", "/dev/stdout"])
