@@ -184,8 +184,14 @@ class Catalogue:
         return self.with_text(own_text(path), str(path))
 
     def with_text(self, text: str, origin: str) -> Catalogue:
-        """This catalogue and the file of this text; `origin` is how errors call it."""
+        """This catalogue and the file of this text; `origin` is how errors call it. It may take the place of an entry
+        of the same name, but ShaderFileError where that is another file of the user's.
+        """
         entry = own_entry(text, origin)
+        for role in entry.head.provides:
+            other = (self.models if role == "model" else self.techniques).get(entry.name)
+            if other is not None and other.own:
+                raise ShaderFileError(f"{origin}: head: name = {entry.name}: so is the {role} of {other.origin} called")
         return Catalogue(
             models={**self.models, **_provided([entry], "model")},
             techniques={**self.techniques, **_provided([entry], "technique")},

@@ -129,7 +129,7 @@ def _counted(e: Evidence) -> list[dict[str, Any] | None]:
             "nonfinite",
             bad,
             e.theta_o_deg,
-            f"{e.sums.nonfinite.sum()} samples, left out of the sums, have a weight, density or direction that is "
+            f"{e.sums.nonfinite.sum():,} samples, left out of the sums, have a weight, density or direction that is "
             "not finite",
             count=e.sums.nonfinite[bad].tolist(),
             replay=[replay for replay, is_bad in zip(e.replay, bad, strict=True) if is_bad],

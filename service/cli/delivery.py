@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from service.errors import BadInput, Problem
+
 if TYPE_CHECKING:
     from service.formats.encoding import Draw
     from service.statistics import Progress
@@ -75,6 +77,8 @@ def deliver(
 
     require_format(format_ or "table", kind)
     targets = [target(path, format_, kind) for path in outputs]
+    if format_ and not targets and formats.FORMATS[format_].binary and sys.stdout.isatty():
+        raise BadInput(Problem("output", None, f"-o FILE, or a pipe: {format_} is not for a terminal"))
     result = compute()
     for path, name in targets:
         if path not in STDOUT:

@@ -53,7 +53,10 @@ _SCENE: tuple[tuple[tuple[str, ...], dict[str, Any]], ...] = (
     (("--phi-o-deg",), {"metavar": "A,B,...", "help": "View azimuths of an anisotropic model. Default: 0."}),
     (("--statistics",), {"metavar": "NAME,...", "help": "Out of mean, variance, max_weight. Default: all."}),
     (("--method",), {"metavar": "NAME", "help": "Estimator: mc, qmc or quadrature. Default: mc."}),
-    (("--tolerance",), {"metavar": "X", "help": "Pick method and count for this error of the variance."}),
+    (
+        ("--tolerance",),
+        {"metavar": "X", "help": "Pick method and count, in place of --samples, for this error of the variance."},
+    ),
     (("--samples",), {"metavar": "N", "help": "Samples for each angle. Default: 1000000."}),
     (("--seed",), {"metavar": "N", "help": "Seed of the random numbers. Default: 0."}),
     (("--no-error-bars",), {"is_flag": True, "help": "Leave standard errors out."}),

@@ -112,10 +112,9 @@ def test_a_format_that_a_command_has_not_is_found_before_anything_is_computed(op
     assert "json" in line
 
 
-@pytest.mark.parametrize("columns", [80, 200])
-def test_a_table_fits_a_narrow_terminal(columns):
-    """On a pseudo-terminal, where the table of a file or a pipe has lines of over 80 columns."""
-    command = [sys.executable, "-c", "from service.cli import main; main()", *SMALL]
+def on_a_terminal(*arguments, columns):
+    """The exit code, and what a pseudo-terminal with so many columns shows of stdout."""
+    command = [sys.executable, "-c", "from service.cli import main; main()", *arguments]
     here, there = os.openpty()
     done = subprocess.Popen(
         command, stdout=there, stderr=subprocess.DEVNULL, env={**os.environ, "COLUMNS": str(columns)}
@@ -126,13 +125,20 @@ def test_a_table_fits_a_narrow_terminal(columns):
         while part := os.read(here, 1 << 16):
             shown += part
     os.close(here)
-    assert done.wait(60) == 0
-    lines = shown.decode().replace("\r\n", "\n").splitlines()
-    assert "variance" in shown.decode()
-    if columns == 80:
-        assert max(map(len, lines)) <= 80
-    else:
-        assert 80 < max(map(len, lines)) <= 120
+    return done.wait(60), shown.decode().replace("\r\n", "\n")
+
+
+@pytest.mark.parametrize(("columns", "least", "most"), [(80, 0, 80), (200, 81, 120)])
+def test_a_table_fits_the_terminal(columns, least, most):
+    """The table of a file or a pipe has lines of over 80 columns."""
+    code, shown = on_a_terminal(*SMALL, columns=columns)
+    assert code == 0
+    assert "variance" in shown
+    assert least <= max(map(len, shown.splitlines())) <= most
+
+
+def test_a_picture_is_not_printed_on_a_terminal():
+    assert on_a_terminal(*SMALL, "--format", "png", columns=80) == (2, "")
 
 
 @pytest.mark.parametrize("name", ["-", "/dev/stdout"])

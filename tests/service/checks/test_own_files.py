@@ -3,6 +3,7 @@
 import json
 import os
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -201,6 +202,23 @@ def test_a_failure_of_two_files_is_replayed_by_both_paths(own, own_model):
     assert command.startswith(f"samplerscope check {path} --model {own_model} --technique mine")
     assert again.returncode == 0, again.stderr
     assert "mine on grey" in again.stdout
+
+
+def test_two_files_of_one_name_are_refused(own):
+    first = own(INCLUDE + COSINE + PDF)
+    (first.parent / "other").mkdir()
+    second = Path(shutil.copy(first, first.parent / "other"))
+    done = samplerscope("stats", "--technique", f"{first},{second}", "--angles", "2")
+    assert done.returncode == 2
+    assert f"{second}: head: name = mine: so is the technique of {first} called" in done.stderr
+
+
+def test_a_file_may_be_called_anything(own):
+    path = own(INCLUDE + COSINE + PDF + "float x = y;\n")
+    path = path.rename(path.with_name('a "strange"\n näme.glsl'))
+    done = samplerscope("check", path, "--quick")
+    assert done.returncode == 2
+    assert "a _strange__ näme.glsl:12: 'y' : undeclared identifier" in done.stderr
 
 
 @pytest.mark.parametrize("command", [["check"], ["stats", "--model"]])
