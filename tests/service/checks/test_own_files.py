@@ -204,6 +204,32 @@ def test_a_failure_of_two_files_is_replayed_by_both_paths(own, own_model):
     assert "mine on grey" in again.stdout
 
 
+REJECTION = """uint state;
+float next() { state = state * 747796405u + 2891336453u; return float(state >> 8) * 5.9604644775390625e-8; }
+DirectionSample sample_direction(vec3 wo, vec2 u) {
+    state = uint(u.x * 4294967040.0) ^ uint(u.y * 16777216.0);
+    vec3 d;
+    for (int i = 0; i < 100; i++) {
+        d = vec3(2.0 * next() - 1.0, 2.0 * next() - 1.0, next());
+        if (dot(d, d) <= 1.0) break;
+    }
+    return DirectionSample(normalize(d), DENSITY * INV_PI);
+}
+float direction_pdf(vec3 wo, vec3 wi) { return wi.z > 0.0 ? DENSITY * INV_PI : 0.0; }
+"""
+
+
+@pytest.mark.parametrize(
+    ("density", "fails"), [("0.5", set()), ("0.4", {"pdf-normalisation", "chi-square", "unbiased"})]
+)
+def test_rejection_sampling_has_no_jacobian_and_is_judged_by_the_other_checks(own, density, fails):
+    path = own(f"#define DENSITY {density}\n{REJECTION}")
+    done = samplerscope("check", path, "--model", "lambert", "--quick", "--format", "json")
+    checks = {check["name"]: check["status"] for check in json.loads(done.stdout)["checks"]}
+    assert {name for name, status in checks.items() if status == "fail"} == fails
+    assert checks["jacobian"] == "not-applicable"
+
+
 def test_two_files_of_one_name_are_refused(own):
     first = own(INCLUDE + COSINE + PDF)
     (first.parent / "other").mkdir()
