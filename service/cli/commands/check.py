@@ -10,7 +10,7 @@ import click
 
 from service.cli.delivery import StageLine, deliver
 from service.cli.options import integer, names, output_options, settings_of
-from service.cli.own_files import own_texts
+from service.cli.own_file import own_texts
 from service.errors import BadInput, Problem
 
 EXIT_FAILED = 1

@@ -9,7 +9,7 @@ import click
 
 from service.cli.delivery import ProgressLine, deliver
 from service.cli.options import integer, names, number, output_options, scene_data, scene_options
-from service.cli.own_files import answer_for_files, scene_texts
+from service.cli.own_file import answer_for_files, scene_texts
 from service.convergence.scene import ConvergenceScene, parse_convergence_scene
 
 

@@ -8,7 +8,7 @@ import click
 
 from service.cli.delivery import ProgressLine, deliver
 from service.cli.options import output_options, scene_data, scene_options
-from service.cli.own_files import answer_for_files, scene_texts
+from service.cli.own_file import answer_for_files, scene_texts
 from service.scene import Scene, parse_scene
 
 

@@ -204,6 +204,17 @@ def test_a_failure_of_two_files_is_replayed_by_both_paths(own, own_model):
     assert "mine on grey" in again.stdout
 
 
+def test_a_value_beyond_float32_at_a_rounded_direction_is_no_fault(own):
+    """Below the horizon in float64, next to it in float32, where the truth of Ward's model has no float32."""
+    rounded = "return DirectionSample(vec3(-wo.xy, DROP), wo.z < 1e-30 ? 1.0 : 0.0);"
+    drop = "#ifdef DOUBLE_PRECISION\n#define DROP -1e-9\n#else\n#define DROP 1e-36\n#endif\n"
+    path = own(drop + f"DirectionSample sample_direction(vec3 wo, vec2 u) {{ {rounded} }}\n" + PDF)
+    done = samplerscope("check", path, "--model", "ward", "--quick", "--format", "json")
+    (finite,) = (check for check in json.loads(done.stdout)["checks"] if check["name"] == "finite")
+    assert finite["status"] == "pass", finite["message"]
+    assert finite["evidence"]["beyond_float32"] > 0
+
+
 REJECTION = """uint state;
 float next() { state = state * 747796405u + 2891336453u; return float(state >> 8) * 5.9604644775390625e-8; }
 DirectionSample sample_direction(vec3 wo, vec2 u) {
