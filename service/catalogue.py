@@ -22,24 +22,13 @@ from service.errors import BadInput, Problem, ShaderFileError
 
 SHADERS = Path(__file__).resolve().parent.parent / "shaders"
 
-RESERVED = frozenset(
-    {
-        *(
-            "model",
-            "preset",
-            "parameters",
-            "zip",
-            "techniques",
-            "angles",
-            "theta_o_deg",
-            "phi_o_deg",
-            "statistics",
-            "reference",
-        ),
-        *("estimator", "method", "samples", "seed", "tolerance", "error_bars", "format"),
-        *("target_error", "replicates", "estimators"),
-    }
-)
+# fmt: off
+RESERVED = frozenset({
+    "model", "preset", "parameters", "zip", "techniques", "angles", "theta_o_deg", "phi_o_deg", "statistics",
+    "reference", "estimator", "method", "samples", "seed", "tolerance", "error_bars", "format",
+    "target_error", "replicates", "estimators", "efficiency_over",
+})
+# fmt: on
 """Names of a scene's fields and of query parameters, which a parameter may not have."""
 
 OWN_FILE_BYTES = 1 << 20
@@ -178,8 +167,9 @@ class Catalogue:
         return next(e for e in (*self.models.values(), *self.techniques.values()) if e.own and e.origin == origin)
 
     def with_file(self, path: Path) -> Catalogue:
-        """This catalogue and one more file, which may replace an entry of the same name. Raises as `own_text` and
-        `own_entry` do.
+        """This catalogue and one more file, which may replace an entry of the same name.
+
+        Raises as `own_text` and `own_entry` do.
         """
         return self.with_text(own_text(path), str(path))
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from types import TracebackType
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 from lavapipe import Cache, CompileError, Device, Pipeline, compile_glsl, default_cache
 from service.catalogue import Catalogue, Entry, hemisphere, load_catalogue
@@ -100,6 +101,15 @@ class Engine:
         if isinstance(compiled, CompileError):
             raise compiled
         return compiled
+
+    def run_block(self, begin: float, **facts: Any) -> dict[str, Any]:
+        """The block `run` of a result: device and driver, these facts, and the milliseconds since `begin`.
+
+        begin: by `time.perf_counter`.
+        """
+        info = self.device.info
+        elapsed_ms = 1e3 * (time.perf_counter() - begin)
+        return {"device": info.name, "driver": info.driver_version, **facts, "elapsed_ms": elapsed_ms}
 
     def first_use(self, pipeline: Pipeline) -> bool:
         """Whether this pipeline was not asked for before: the driver compiles at the first dispatch."""

@@ -25,6 +25,18 @@ class Feature:
     changes: Mapping[str, Any] = field(hash=False)
 
 
+_FIRST_BAD = Feature(
+    "index of the first non-finite sample",
+    "samples are drawn again to find it, where one is not finite",
+    {"first_bad": False},
+)
+_ONCE = Feature(
+    "terms of the view in every sample",
+    "they are the same for every sample, and formed once",
+    {"formed_once": True},
+)
+
+
 def structure_without(features: Iterable[Feature]) -> Structure:
     """The structure of a shader that leaves these features out and keeps everything else."""
     structure = Structure()
@@ -71,26 +83,12 @@ def error_curve_features(plan: SeriesPlan, method: str) -> tuple[Feature, ...]:
 
 
 def report(by_series: Sequence[Sequence[Feature]]) -> list[dict[str, Any]]:
-    """The block `left_out` of a result: each feature with its reason and the numbers of the series that it is left out
-    of.
-    """
+    """The block `left_out` of a result: each feature with its reason and the numbers of the series without it."""
     found: dict[tuple[str, str], list[int]] = {}
     for number, features in enumerate(by_series):
         for feature in features:
             found.setdefault((feature.name, feature.reason), []).append(number)
     return [{"feature": name, "reason": reason, "series": series} for (name, reason), series in found.items()]
-
-
-_FIRST_BAD = Feature(
-    "index of the first non-finite sample",
-    "samples are drawn again to find it, where one is not finite",
-    {"first_bad": False},
-)
-_ONCE = Feature(
-    "terms of the view in every sample",
-    "they are the same for every sample, and formed once",
-    {"formed_once": True},
-)
 
 
 def moments_needed(scene: Scene) -> int:

@@ -1,8 +1,8 @@
 """Counting the iterations of loops in a shader file, so that no loop ends without a word.
 
 A driver may stop loops silently (lavapipe after 65,535 iterations of an invocation, all loops together), and another
-may
-never stop. Every loop condition of the file therefore also asks a counter that ends the loop at the limit and says so.
+may never stop. Every loop condition of the file therefore also asks a counter, which ends the loop at the limit and
+says so.
 """
 
 from __future__ import annotations

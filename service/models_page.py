@@ -123,12 +123,12 @@ def _albedo(model: str, technique: str, parameters: dict[str, float], theta_o: f
 
 
 def _asymmetry(entry: Entry, pairs: int = 2000) -> float:
-    """Largest relative change of the BRDF when wi and wo are swapped, over random pairs above the horizon."""
+    """Largest relative change of the BRDF when wi and wo are swapped, over random pairs in the first octant."""
     reference = load_model(entry.name)
     if reference is None:
         return math.nan
     directions = np.random.default_rng(0).normal(size=(2, pairs, 3))
-    wi, wo = np.abs(directions / np.linalg.norm(directions, axis=-1, keepdims=True)) * [1.0, 1.0, 1.0]
+    wi, wo = np.abs(directions / np.linalg.norm(directions, axis=-1, keepdims=True))
     defaults = {name: parameter.default for name, parameter in entry.head.parameters.items()}
     there, back = reference.brdf(wi, wo, defaults), reference.brdf(wo, wi, defaults)
     return float(np.max(np.abs(there - back) / np.maximum(np.abs(there), 1e-300)))

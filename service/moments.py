@@ -7,6 +7,8 @@ technique with zero variance reports zero rather than rounding.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,15 +38,31 @@ def from_power_sums(count: NDArray[np.int64], shift: Array, sums: Array, moments
     """
     n = count.astype(np.float64)
     with np.errstate(divide="ignore", invalid="ignore"):
-        a, b, c, d = sums / n
-        central2 = np.maximum(b - a * a, 0.0)
-        central4 = np.maximum(d - 4 * a * c + 6 * a * a * b - 3 * a**4, 0.0)
+        powers = sums / n
+        central2, central4 = central_moments(powers)
         variance = np.where((n > 1) & (moments >= 2), central2 * n / (n - 1), np.nan)
         spread = np.maximum(central4 - (n - 3) / (n - 1) * variance**2, 0.0)
         return Statistics(
-            mean=np.where(n > 0, shift + a, np.nan),
+            mean=np.where(n > 0, shift + powers[0], np.nan),
             mean_stderr=np.sqrt(variance / n),
             variance=variance,
             variance_stderr=np.where((n > 3) & (moments >= 4), np.sqrt(spread / n), np.nan),
             kurtosis=np.where(moments < 4, np.nan, np.where(central2 > 0, central4 / central2**2, 1.0)),
         )
+
+
+def central_moments(powers: Sequence[Array] | Array) -> tuple[Array, Array]:
+    """The second and the fourth central moment from the means of the powers 1 to 4 about any point; not below 0."""
+    a, b, c, d = powers
+    return np.maximum(b - a * a, 0.0), np.maximum(d - 4 * a * c + 6 * a * a * b - 3 * a**4, 0.0)
+
+
+def bernstein_half_width(variance: Array, bound: Array, samples: int, false_alarm: float) -> Array:
+    """Half width of a two-sided interval for the mean of `samples` values in [0, bound] with this variance.
+
+    By Bernstein's inequality, which holds at any count and for any tail. What is infinite counts as 0.
+    """
+    log_term = math.log(2.0 / false_alarm)
+    linear = np.where(np.isfinite(bound), bound, 0.0) * log_term / 3.0
+    spread = np.where(np.isfinite(variance), variance, 0.0)
+    return np.asarray((linear + np.sqrt(linear**2 + 2.0 * samples * spread * log_term)) / samples)

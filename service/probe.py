@@ -1,6 +1,4 @@
-"""The probe: a model and a technique evaluated at single inputs, in float32 as a renderer would or in float64 as
-truth.
-"""
+"""The probe: a model and a technique evaluated at single inputs, in float32 as a renderer would, or in float64."""
 
 from __future__ import annotations
 

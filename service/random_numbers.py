@@ -17,9 +17,7 @@ BLOCK_SAMPLES = 16384
 
 
 def cell_key(seed: int, theta_o_deg: float, phi_o_deg: float = 0.0) -> tuple[int, int]:
-    """The 64-bit key of a view, as two 32-bit words. Equal views share it, whatever model or technique looks at
-    them.
-    """
+    """The 64-bit key of a view, as two 32-bit words: the same whatever model and technique look from there."""
     digest = hashlib.blake2b(struct.pack("<Qdd", seed, theta_o_deg + 0.0, phi_o_deg + 0.0), digest_size=8).digest()
     low, high = struct.unpack("<II", digest)
     return low, high

@@ -6,6 +6,7 @@ all. What a user's own file says of itself is not stored.
 
 from __future__ import annotations
 
+import math
 import struct
 from collections.abc import Iterable, Sequence
 from dataclasses import astuple, fields
@@ -19,7 +20,7 @@ from service.device_reference import device_reference
 from service.engine import Engine
 from service.errors import ShaderFileError
 from service.reference import CellReference
-from service.scene import Question, SeriesPlan, radians
+from service.scene import Question, SeriesPlan
 
 _FIELDS = len(fields(CellReference))
 
@@ -58,8 +59,8 @@ def _stored(plan: SeriesPlan, theta_o_deg: Sequence[float], store: Cache) -> lis
     known = {key: value for key, value in store.get_many(keys).items() if len(value) == 8 * _FIELDS}
     missing = [(key, angle) for key, angle in zip(keys, theta_o_deg, strict=True) if key not in known]
     if missing:
-        names, phi_o = (plan.model.name, plan.technique.name), radians(plan.azimuth_deg)
-        angles = [radians(angle) for _, angle in missing]
+        names, phi_o = (plan.model.name, plan.technique.name), math.radians(plan.azimuth_deg)
+        angles = [math.radians(angle) for _, angle in missing]
         fresh = reference.cells_reference(*names, plan.parameters, angles, phi_o) or []
         packed = {
             key: struct.pack(f"<{_FIELDS}d", *astuple(cell)) for (key, _), cell in zip(missing, fresh, strict=True)

@@ -7,7 +7,6 @@ reported for every field at once, with the value given and what is allowed.
 from __future__ import annotations
 
 import itertools
-import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ from pydantic import (
     BaseModel,
     BeforeValidator,
     ConfigDict,
+    FailFast,
     Field,
     SerializerFunctionWrapHandler,
     ValidationError,
@@ -38,6 +38,7 @@ ALL_MODELS = "all"
 MAX_ANGLES = 4096
 MAX_SAMPLES = 2**40
 MAX_CELLS = 2**20
+MAX_NAMES = 256  # in a list of names
 MIN_TOLERANCE = 1e-6  # weights are float32
 GRAZING_COUNT_END_DEG = 90 * 0.999  # --angles N ends here, as the figures of the EON paper do
 
@@ -46,10 +47,11 @@ def _as_list(value: object) -> object:
     return list(value) if isinstance(value, tuple) else value if isinstance(value, list) else [value]
 
 
-Sweep = Annotated[list[float], BeforeValidator(_as_list), Field(min_length=1, max_length=MAX_CELLS)]
+Sweep = Annotated[list[float], FailFast(), Field(min_length=1, max_length=MAX_CELLS), BeforeValidator(_as_list)]
 Angle = Annotated[float, Field(ge=0, lt=90, allow_inf_nan=False)]
 Azimuth = Annotated[float, Field(ge=-360, le=360, allow_inf_nan=False)]
-Azimuths = Annotated[list[Azimuth], BeforeValidator(_as_list), Field(min_length=1, max_length=MAX_ANGLES)]
+Azimuths = Annotated[list[Azimuth], Field(min_length=1, max_length=MAX_ANGLES), BeforeValidator(_as_list)]
+_Group = Annotated[list[str], FailFast(), Field(min_length=2, max_length=MAX_NAMES)]
 
 
 class _Strict(BaseModel):
@@ -86,11 +88,13 @@ class Scene(_Strict):
 
     model: str
     parameters: dict[str, Sweep] = {}
-    zip: list[Annotated[list[str], Field(min_length=2)]] = []
-    techniques: Annotated[list[str], BeforeValidator(_as_list), Field(min_length=1)] | None = None
+    zip: Annotated[list[_Group], Field(max_length=MAX_NAMES)] = []
+    techniques: Annotated[list[str], Field(min_length=1, max_length=MAX_NAMES), BeforeValidator(_as_list)] | None = None
     theta_o_deg: AngleCount | Annotated[list[Angle], Field(min_length=1, max_length=MAX_ANGLES)] = AngleCount(count=64)
     phi_o_deg: Azimuths | None = None
-    statistics: Annotated[list[Statistic], BeforeValidator(_as_list), Field(min_length=1)] = list(STATISTICS)
+    statistics: Annotated[list[Statistic], Field(min_length=1, max_length=MAX_NAMES), BeforeValidator(_as_list)] = list(
+        STATISTICS
+    )
     estimator: Estimator = Estimator(method="mc")
     error_bars: bool = True
     reference: bool = True
@@ -229,18 +233,17 @@ def _one_or_list(values: list[float]) -> object:
 
 def scene_problems(error: ValidationError) -> list[Problem]:
     """Pydantic's findings as fields, values and ranges. A union reports every branch; the most telling one is kept."""
-    found: dict[str, Problem] = {}
+    found: dict[tuple[str, ...], Problem] = {}
+    above: set[tuple[str, ...]] = set()
     for item in error.errors(include_url=False):
-        path = [str(part) for part in item["loc"] if not _is_branch(part)]
+        path = tuple(str(part) for part in item["loc"] if not _is_branch(part))
+        if path in found or path in above:
+            continue
+        for length in range(len(path)):
+            found.pop(path[:length], None)
+            above.add(path[:length])
         field = ".".join(path) or "scene"
-        problem = Problem(field, item["input"], _allowed(field, item["type"], item.get("ctx", {}), item["msg"]))
-        covered = [known for known in found if field.startswith(known) or known.startswith(field)]
-        if not covered:
-            found[field] = problem
-        elif len(field) > max(map(len, covered)):
-            for known in covered:
-                del found[known]
-            found[field] = problem
+        found[path] = Problem(field, item["input"], _allowed(field, item["type"], item.get("ctx", {}), item["msg"]))
     return list(found.values())
 
 
@@ -280,8 +283,3 @@ def _allowed(field: str, kind: str, context: Mapping[str, Any], message: str) ->
     named = re.sub(r"\.\d+", "", field)
     known = _ALLOWED.get(named) or _ALLOWED.get(named.partition(".")[0])
     return known or message.removeprefix("Input should be ").replace("a valid ", "a ")
-
-
-def radians(degrees: float) -> float:
-    """The one place where degrees of a request become the radians of the code."""
-    return math.radians(degrees)

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from service.engine import Engine
+from service.plain_data import finite_or_none
 from service.probe import Probe
-from service.scene import Question, SeriesPlan, radians
+from service.scene import Question, SeriesPlan
 from service.statistics import Progress
-from service.verdict import finite_or_none
 
 LIGHTS = 181
 
@@ -32,16 +32,14 @@ def compute_slices(question: Question, engine: Engine, progress: Progress = lamb
     for done, plan in enumerate(plans):
         progress(plan.technique.name, done, len(plans))
         series += _series(plan, question.scene.angles_deg, engine)
-    info = engine.device.info
-    run = {"device": info.name, "driver": info.driver_version, "elapsed_ms": 1e3 * (time.perf_counter() - begin)}
     scene = question.scene.model_dump(mode="json")
-    return {"kind": "slices", "scene": scene, "series": series, "left_out": [], "run": run}
+    return {"kind": "slices", "scene": scene, "series": series, "left_out": [], "run": engine.run_block(begin)}
 
 
 def _series(plan: SeriesPlan, angles_deg: Sequence[float], engine: Engine) -> list[dict[str, Any]]:
     """One series of the result for each view angle; all are evaluated together."""
     theta_i_deg = np.linspace(-90.0, 90.0, LIGHTS)
-    azimuth = radians(plan.azimuth_deg)
+    azimuth = math.radians(plan.azimuth_deg)
     wo = _in_plane(np.radians(angles_deg), azimuth)
     wi = _in_plane(np.radians(theta_i_deg), azimuth)
     probe = Probe(engine, plan.model, plan.technique)
@@ -73,16 +71,3 @@ def _in_plane(theta: NDArray[np.float64], azimuth: float) -> NDArray[np.float64]
     """Directions (n, 3) at these angles to the normal, in the vertical plane of an azimuth; radians."""
     sines = np.sin(theta)
     return np.stack([sines * math.cos(azimuth), sines * math.sin(azimuth), np.cos(theta)], axis=1)
-
-
-def values_in_plane(
-    engine: Engine, model: str, parameters: Mapping[str, float], theta_o: float, theta_i: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], float]:
-    """BRDF in 1/sr for directions in the x-z plane, of which x > 0 is the view's side, and the model's own albedo.
-
-    Angles are radians; the albedo is 0 where the model declares none.
-    """
-    probe = Probe(engine, engine.catalogue.model(model), engine.catalogue.technique("cosine"))
-    wo, wi = _in_plane(np.array([theta_o]), 0.0), _in_plane(theta_i, 0.0)
-    found = probe.evaluate(wo, wi, np.array([[parameters[name] for name in probe.names]]))
-    return found.brdf.astype(np.float64), float(found.albedo[0])

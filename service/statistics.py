@@ -12,22 +12,23 @@ from numpy.typing import NDArray
 
 from service.axes import axes
 from service.engine import Engine
-from service.estimators import Estimate, estimate, statistics_so_far
+from service.estimators import Estimate, SeriesRun, estimate, statistics_so_far
 from service.estimators.quadrature import LEAST_VARIANCE
 from service.left_out import Feature, features_left_out, moments_needed, report, structure_without
 from service.moments import Statistics
+from service.plain_data import finite_or_none
 from service.random_numbers import cell_key
 from service.reference import CellReference
 from service.reference_store import plan_reference
 from service.sampling import Cells, CellSums, Journal
-from service.scene import Question, Scene, SeriesPlan, radians
-from service.verdict import Evidence, finite_or_none, verdict
+from service.scene import Question, Scene, SeriesPlan
+from service.verdict import Evidence, verdict
 
 REFERENCE_ANGLES = 16
 """Cells whose reference is computed at a time: tenths of a second, so that an interruption is prompt."""
 
 Progress = Callable[[str, int, int], None]
-"""Called with what is being done, how many samples are done, and how many there will be."""
+"""Called with what is being done, how much of the work is done, and how much there is (samples, or steps)."""
 
 
 def compute_statistics(
@@ -64,28 +65,25 @@ def compute_statistics(
         compile_ms += found.built_ms
         series.append(entry)
         features.append(features_left_out(plan, scene, found.estimator.method))
-    info = engine.device.info
     return {
         "kind": "statistics",
         "scene": scene.model_dump(mode="json"),
         "axes": axes(series),
         "series": series,
         "left_out": report(features),
-        "run": {
-            "device": info.name,
-            "driver": info.driver_version,
-            "threads": info.threads,
-            "compile_ms": compile_ms,
-            "device_ms": math.fsum(entry["device_ms"] for entry in series),
-            "elapsed_ms": 1e3 * (time.perf_counter() - begin),
-        },
+        "run": engine.run_block(
+            begin,
+            threads=engine.device.info.threads,
+            compile_ms=compile_ms,
+            device_ms=math.fsum(entry["device_ms"] for entry in series),
+        ),
     }
 
 
 def series_cells(plan: SeriesPlan, scene: Scene) -> Cells:
     """The cells of one series, one a view angle. Cosines are formed in double precision before they become float32."""
-    angles = [radians(angle) for angle in scene.angles_deg]
-    x, y = math.cos(radians(plan.azimuth_deg)), math.sin(radians(plan.azimuth_deg))
+    angles = [math.radians(angle) for angle in scene.angles_deg]
+    x, y = math.cos(math.radians(plan.azimuth_deg)), math.sin(math.radians(plan.azimuth_deg))
     wo = np.array([(x * math.sin(angle), y * math.sin(angle), math.cos(angle)) for angle in angles], np.float32)
     keys = np.array([cell_key(scene.estimator.seed, angle, plan.azimuth_deg) for angle in scene.angles_deg], np.uint32)
     row = np.array([list(plan.parameters.values())], np.float32)
@@ -93,8 +91,9 @@ def series_cells(plan: SeriesPlan, scene: Scene) -> Cells:
 
 
 def partial_series(plan: SeriesPlan, scene: Scene, sums: CellSums) -> dict[str, Any]:
-    """What the sums of an unfinished run give, as a series that plots: its samples differ from angle to angle, and an
-    angle without any is null.
+    """What the sums of an unfinished run give, as a series that plots.
+
+    `samples` has an entry an angle, since they differ; an angle without any is null.
     """
     sampled = statistics_so_far(sums, len(scene.angles_deg), moments_needed(scene))
     entry = _head(plan, scene) | {"samples": sampled.samples.tolist()}
@@ -116,50 +115,44 @@ def _head(plan: SeriesPlan, scene: Scene) -> dict[str, Any]:
 
 
 def _reference(plan: SeriesPlan, scene: Scene, engine: Engine, pause: Callable[[], None]) -> list[CellReference] | None:
-    """The reference of every angle, None where there is none or it was not asked for. `pause` is called time and again:
-    a reference takes milliseconds a cell the first time.
+    """The reference of every angle, None where there is none or it was not asked for.
+
+    `pause` is called time and again: a reference takes milliseconds a cell the first time.
     """
     if not scene.reference:
         return None
-    cells: list[CellReference] = []
+    reference: list[CellReference] = []
     for first in range(0, len(scene.angles_deg), REFERENCE_ANGLES):
         pause()
         angles = scene.angles_deg[first : first + REFERENCE_ANGLES]
         found = plan_reference(plan, angles, engine)
         if found is None:
             return None
-        cells += found
-    return cells
+        reference += found
+    return reference
 
 
 def _series(
     plan: SeriesPlan, scene: Scene, engine: Engine, advance: Callable[[int], None], journal: Journal | None
 ) -> tuple[dict[str, Any], Estimate]:
     """One series of the result, and the estimate that it was made of."""
-    angles = scene.angles_deg
-    cells = _reference(plan, scene, engine, lambda: advance(0))
+    reference = _reference(plan, scene, engine, lambda: advance(0))
     structure = structure_without(features_left_out(plan, scene))
-    found = estimate(plan, scene, engine, series_cells(plan, scene), cells, structure, advance, journal)
+    run = SeriesRun(plan, engine, series_cells(plan, scene), structure, advance, journal)
+    found = estimate(run, scene, reference)
     entry = _head(plan, scene)
     if found.statistics is not None:
-        entry |= _moment_columns(scene, found.statistics, cells)
+        entry |= _moment_columns(scene, found.statistics, reference)
     if "max_weight" in scene.statistics:
         entry["max_weight"] = finite_or_none(found.largest)
-    evidence = Evidence(
-        theta_o_deg=angles,
-        estimator=found.estimator,
-        sums=found,
-        statistics=found.statistics,
-        reference=cells,
-        replay=_replays(plan, scene, found),
-    )
+    evidence = Evidence(scene.angles_deg, found, reference, _replays(plan, scene, found))
     if found.zero_fraction is not None:
         entry["zero_fraction"] = found.zero_fraction.tolist()
     return entry | {
         "nonfinite": found.nonfinite.tolist(),
         "samples": found.estimator.samples,
         "estimator": found.estimator.model_dump(mode="json", exclude_none=True),
-        "reference": _reference_columns(scene, found, cells),
+        "reference": _reference_columns(scene, found, reference),
         "verdict": verdict(evidence),
         "device_ms": found.device_ns / 1e6,
     }, found
@@ -171,55 +164,56 @@ def _azimuth(plan: SeriesPlan) -> dict[str, float]:
 
 
 def _moment_columns(
-    scene: Scene, statistics: Statistics, cells: Sequence[CellReference] | None
+    scene: Scene, statistics: Statistics, reference: Sequence[CellReference] | None
 ) -> dict[str, list[float | None]]:
     """Mean and variance with their standard errors; null where the moment behind a standard error is infinite.
 
     A quadrature gives no variance where it is infinite, and bounds of its own error in place of standard errors. A
     moment that the reference does not know counts as finite.
     """
-    variance = np.array([cell.variance for cell in cells]) if cells else np.zeros(len(statistics.mean))
-    fourth = np.array([cell.fourth_moment for cell in cells]) if cells else np.zeros(len(statistics.mean))
-    by_rule = ~np.isinf(variance) & np.isnan(statistics.variance_stderr)
+
+    def infinite(moment: str) -> NDArray[np.bool_] | np.bool_:
+        return np.isinf([getattr(cell, moment) for cell in reference]) if reference else np.False_
+
     columns = {}
     if "mean" in scene.statistics:
         columns["mean"] = finite_or_none(statistics.mean)
         if scene.error_bars:
-            known = ~np.isinf(variance) | (scene.estimator.method in (None, "quadrature"))
-            columns["mean_stderr"] = finite_or_none(np.where(known, statistics.mean_stderr, np.nan))
+            meaningless = infinite("variance") & (scene.estimator.method in ("mc", "qmc"))
+            columns["mean_stderr"] = finite_or_none(np.where(meaningless, np.nan, statistics.mean_stderr))
     if "variance" in scene.statistics:
         columns["variance"] = finite_or_none(statistics.variance)
         if scene.error_bars:
-            known = ~np.isinf(fourth) & ~by_rule
-            columns["variance_stderr"] = finite_or_none(np.where(known, statistics.variance_stderr, np.nan))
+            meaningless = infinite("fourth_moment")
+            columns["variance_stderr"] = finite_or_none(np.where(meaningless, np.nan, statistics.variance_stderr))
     return columns
 
 
 def _reference_columns(
-    scene: Scene, found: Estimate, cells: Sequence[CellReference] | None
+    scene: Scene, found: Estimate, reference: Sequence[CellReference] | None
 ) -> dict[str, list[float | None]] | None:
     """The reference as columns, and the relative errors of the estimate against it.
 
     `variance_stderr` is the standard error to expect of a variance from this many independent samples; an uncertainty
     is what the reference itself may be off by. A null without a finding that says why is not known.
     """
-    if cells is None:
+    if reference is None:
         return None
     n = found.estimator.samples
     spread = [
         math.sqrt(max(0.0, cell.fourth_moment - cell.variance**2 * (n - 3) / max(1, n - 1)) / n)
         if math.isfinite(cell.fourth_moment)
         else math.inf
-        for cell in cells
+        for cell in reference
     ]
     exact = ("mean", "albedo", "variance", "max_weight")
     uncertain = ("mean_uncertainty", "albedo_uncertainty", "variance_uncertainty")
-    columns = {name: finite_or_none(getattr(cell, name) for cell in cells) for name in (*exact, *uncertain)}
+    columns = {name: finite_or_none(getattr(cell, name) for cell in reference) for name in (*exact, *uncertain)}
     columns["variance_stderr"] = finite_or_none(spread)
     if found.statistics is not None and "mean" in scene.statistics:
-        columns["mean_error"] = _relative_errors(found.statistics.mean, [cell.mean for cell in cells])
+        columns["mean_error"] = _relative_errors(found.statistics.mean, [cell.mean for cell in reference])
     if found.statistics is not None and "variance" in scene.statistics:
-        columns["variance_error"] = _relative_errors(found.statistics.variance, [cell.variance for cell in cells])
+        columns["variance_error"] = _relative_errors(found.statistics.variance, [cell.variance for cell in reference])
     return columns
 
 

@@ -8,12 +8,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from service.moments import Statistics
+from service.estimators import Estimate
+from service.moments import Statistics, bernstein_half_width
+from service.plain_data import finite_or_none
 from service.reference import CellReference
 from service.scene import MAX_SAMPLES, Estimator
 
@@ -45,45 +47,19 @@ Angles = Sequence[float]
 Bools = NDArray[np.bool_]
 
 
-class Counts(Protocol):
-    """What was counted sample by sample and what the estimator says of itself, each of shape (cells,)."""
-
-    @property
-    def nonfinite(self) -> NDArray[np.int64]:
-        """Samples that are not finite."""
-        ...
-
-    @property
-    def negative(self) -> NDArray[np.int64]:
-        """Samples with a negative weight."""
-        ...
-
-    @property
-    def unreached(self) -> Bools:
-        """Cells whose tolerance was not reached."""
-        ...
-
-    @property
-    def divergent(self) -> Bools:
-        """Cells whose variance grew without limit."""
-        ...
-
-
 @dataclass(frozen=True)
 class Evidence:
-    """All that a verdict rests on, one entry an angle. `statistics` is None where no moment was asked for."""
+    """All that a verdict rests on, one entry an angle."""
 
     theta_o_deg: Angles
-    estimator: Estimator
-    sums: Counts
-    statistics: Statistics | None
+    estimate: Estimate
     reference: Sequence[CellReference] | None
     replay: Sequence[dict[str, Any]]
 
     @property
-    def samples(self) -> int:
-        """Samples for each angle."""
-        return self.estimator.samples
+    def estimator(self) -> Estimator:
+        """The estimator as used."""
+        return self.estimate.estimator
 
     @property
     def by_rule(self) -> bool:
@@ -96,16 +72,12 @@ def verdict(evidence: Evidence) -> dict[str, Any]:
     findings = _counted(evidence)
     if evidence.reference is not None:
         findings += _known(evidence, evidence.reference)
-    if evidence.statistics is not None:
-        findings += _biased(evidence, evidence.statistics) + _unreached(evidence, evidence.statistics)
-        findings += _tails(evidence, evidence.statistics) if not evidence.by_rule else []
+    statistics = evidence.estimate.statistics
+    if statistics is not None:
+        findings += _biased(evidence, statistics) + _unreached(evidence, statistics)
+        findings += _tails(evidence, statistics) if not evidence.by_rule else []
     held = sorted((finding for finding in findings if finding is not None), key=lambda f: ORDER.index(f["name"]))
     return {"status": held[0]["name"] if held else "ok", "findings": held}
-
-
-def finite_or_none(values: Any) -> list[float | None]:
-    """A list for JSON: what is not finite becomes None."""
-    return [float(value) if math.isfinite(value) else None for value in values]
 
 
 def _finding(name: str, where: Bools, angles: Angles, message: str, **evidence: Any) -> dict[str, Any] | None:
@@ -123,41 +95,36 @@ def _finding(name: str, where: Bools, angles: Angles, message: str, **evidence: 
 
 def _counted(e: Evidence) -> list[dict[str, Any] | None]:
     """What the device counted sample by sample."""
-    bad, negative = e.sums.nonfinite > 0, e.sums.negative > 0
+    bad, negative = e.estimate.nonfinite > 0, e.estimate.negative > 0
     return [
         _finding(
             "nonfinite",
             bad,
             e.theta_o_deg,
-            f"{e.sums.nonfinite.sum():,} samples, left out of the sums, have a weight, density or direction that is "
-            "not finite",
-            count=e.sums.nonfinite[bad].tolist(),
+            f"{e.estimate.nonfinite.sum():,} samples, left out of the sums, have a weight, density or direction that "
+            "is not finite",
+            count=e.estimate.nonfinite[bad].tolist(),
             replay=[replay for replay, is_bad in zip(e.replay, bad, strict=True) if is_bad],
         ),
         _finding(
             "negative-weight",
             negative,
             e.theta_o_deg,
-            f"{e.sums.negative.sum()} samples have a negative weight",
-            count=e.sums.negative[negative].tolist(),
+            f"{e.estimate.negative.sum()} samples have a negative weight",
+            count=e.estimate.negative[negative].tolist(),
         ),
     ]
 
 
 def _known(e: Evidence, reference: Sequence[CellReference]) -> list[dict[str, Any] | None]:
     """What the reference knows of the technique, whatever was sampled."""
-    variance, supremum, albedo, mean, uncovered, tail, unsure, mean_unsure = (
-        np.array([getattr(cell, name) for cell in reference])
-        for name in (
-            *("variance", "max_weight", "albedo", "mean", "uncovered", "tail_strength"),
-            *("albedo_uncertainty", "mean_uncertainty"),
-        )
-    )
-    infinite, unbounded = np.isinf(variance), np.isinf(supremum)
+    albedo, unsure = _column(reference, "albedo"), _column(reference, "albedo_uncertainty")
+    uncovered, tail = _column(reference, "uncovered"), _column(reference, "tail_strength")
+    infinite, unbounded = (np.isinf(_column(reference, name)) for name in ("variance", "max_weight"))
     missing = uncovered > RELATIVE_BIAS * albedo + unsure
     gain = albedo - unsure > ENERGY_LIMIT
-    bias = mean - albedo
-    off = np.abs(bias) > RELATIVE_BIAS * albedo + unsure + mean_unsure
+    bias = _column(reference, "mean") - albedo
+    off = np.abs(bias) > RELATIVE_BIAS * albedo + unsure + _column(reference, "mean_uncertainty")
     return [
         _finding(
             "infinite-variance",
@@ -200,6 +167,11 @@ def _known(e: Evidence, reference: Sequence[CellReference]) -> list[dict[str, An
     ]
 
 
+def _column(reference: Sequence[CellReference], name: str) -> NDArray[np.float64]:
+    """One value of the reference for every angle."""
+    return np.array([getattr(cell, name) for cell in reference], np.float64)
+
+
 def _why_no_variance(strength: float) -> str:
     """An infinite variance in words: with the strength of an inverse-square tail, where it comes from one."""
     if strength == 0.0:
@@ -215,17 +187,15 @@ def _biased(e: Evidence, statistics: Statistics) -> list[dict[str, Any] | None]:
     """
     if e.reference is None:
         return []
-    variance, bound, mean, unsure = (
-        np.array([getattr(cell, name) for cell in e.reference])
-        for name in ("variance", "max_weight", "mean", "mean_uncertainty")
-    )
+    variance, bound = _column(e.reference, "variance"), _column(e.reference, "max_weight")
+    mean, unsure = _column(e.reference, "mean"), _column(e.reference, "mean_uncertainty")
     usable = np.isfinite(variance) & np.isfinite(bound)
     if e.by_rule:
         half_width = statistics.mean_stderr
     else:
         # Replicates of a scrambled net have at most twice the variance of as many independent samples (Owen 1997).
         spread = 2.0 * variance if e.estimator.method == "qmc" else variance
-        half_width = bernstein_half_width(spread, bound, e.samples, FALSE_ALARM / len(mean))
+        half_width = bernstein_half_width(spread, bound, e.estimator.samples, FALSE_ALARM / len(mean))
     rounding = 1e-6 * np.abs(mean)
     off = np.abs(statistics.mean - mean)
     with np.errstate(invalid="ignore"):
@@ -247,40 +217,29 @@ def _unreached(e: Evidence, statistics: Statistics) -> list[dict[str, Any] | Non
     """What the estimator itself says of its numbers: a variance that grew for ever, a tolerance it did not reach."""
     known_infinite = np.zeros(len(e.theta_o_deg), bool)
     if e.reference is not None:
-        known_infinite = np.isinf([cell.variance for cell in e.reference])
-    short = e.sums.unreached & ~e.sums.divergent & ~known_infinite
+        known_infinite = np.isinf(_column(e.reference, "variance"))
+    short = e.estimate.unreached & ~e.estimate.divergent & ~known_infinite
     with np.errstate(invalid="ignore", divide="ignore"):
         relative = statistics.variance_stderr / statistics.variance
     return [
         _finding(
             "infinite-variance",
-            e.sums.divergent & ~known_infinite,
+            e.estimate.divergent & ~known_infinite,
             e.theta_o_deg,
-            f"the variance grew by ever equal steps as {e.samples:,} nodes came closer to a singularity",
+            f"the variance grew by ever equal steps as {e.estimator.samples:,} nodes came closer to a singularity",
         ),
         _finding(
             "imprecise",
             short,
             e.theta_o_deg,
-            f"{e.estimator.method} with {e.samples:,} samples does not reach the tolerance {e.estimator.tolerance:g}",
+            f"{e.estimator.method} with {e.estimator.samples:,} samples does not reach the tolerance "
+            f"{e.estimator.tolerance:g}",
             tolerance=e.estimator.tolerance,
             variance_relative_error=finite_or_none(relative[short]),
         )
         if e.estimator.tolerance is not None
         else None,
     ]
-
-
-def bernstein_half_width(
-    variance: NDArray[np.float64], bound: NDArray[np.float64], samples: int, false_alarm: float
-) -> NDArray[np.float64]:
-    """Half width of a two-sided interval for the mean of `samples` weights in [0, bound] with this variance
-    (Bernstein).
-    """
-    log_term = math.log(2.0 / false_alarm)
-    linear = np.where(np.isfinite(bound), bound, 0.0) * log_term / 3.0
-    spread = np.where(np.isfinite(variance), variance, 0.0)
-    return (linear + np.sqrt(linear**2 + 2.0 * samples * spread * log_term)) / samples
 
 
 def _tails(e: Evidence, statistics: Statistics) -> list[dict[str, Any] | None]:
@@ -291,9 +250,9 @@ def _tails(e: Evidence, statistics: Statistics) -> list[dict[str, Any] | None]:
         kurtosis = np.where(np.isnan(known), kurtosis, known)
     finite = np.isfinite(kurtosis)
     if e.reference is not None:
-        finite &= ~np.isinf([cell.variance for cell in e.reference])
+        finite &= ~np.isinf(_column(e.reference, "variance"))
     needed = TAIL_SAMPLES * np.maximum(kurtosis - 1.0, 0.0)
-    heavy = finite & (needed > e.samples)
+    heavy = finite & (needed > e.estimator.samples)
     with np.errstate(invalid="ignore", divide="ignore"):
         relative = statistics.mean_stderr / np.abs(statistics.mean)
         imprecise = ~heavy & finite & (statistics.mean > 0) & (relative > IMPRECISE)

@@ -12,6 +12,7 @@ from fastapi import Depends, FastAPI, Request, Response, Security
 from fastapi.openapi.utils import get_openapi
 from fastapi.security import APIKeyHeader
 from starlette.exceptions import HTTPException
+from starlette.routing import Match
 from starlette.types import ASGIApp
 
 from lavapipe import LavapipeError
@@ -46,6 +47,7 @@ def create_app(services: Services) -> ASGIApp:
         description=_DESCRIPTION,
         lifespan=lifespan,
         redoc_url=None,
+        redirect_slashes=False,
         responses=documents.problems(405),
     )
     app.include_router(page.router(services))
@@ -67,10 +69,22 @@ async def _exception(_: Request, error: Exception) -> Response:
     return problem_response(error)
 
 
-async def _http_exception(_: Request, error: Exception) -> Response:
+async def _http_exception(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
     name = _NAMES.get(error.status_code, "bad-request")
-    return problem_response(HttpError(error.status_code, name, str(error.detail), error.headers))
+    headers = {"allow": _methods(request)} if error.status_code == 405 else error.headers
+    return problem_response(HttpError(error.status_code, name, str(error.detail), headers))
+
+
+def _methods(request: Request) -> str:
+    """The methods that a path has: each has a route of its own, and the framework names those of one route."""
+
+    def has(method: str) -> bool:
+        scope = {**request.scope, "method": method}
+        return any(route.matches(scope)[0] == Match.FULL for route in request.app.routes)
+
+    found = [method for method in ("GET", "POST", "DELETE") if has(method)]
+    return ", ".join([*found, "HEAD"] if "GET" in found else found)
 
 
 def _guard(services: Services) -> list[Any]:

@@ -89,7 +89,7 @@ def problems(*statuses: int) -> Responses:
     }
 
 
-BODY_RESPONSES: Responses = problems(400, 413, 415)
+BODY_RESPONSES: Responses = problems(400, 408, 413, 415)
 JOB_ACCEPTED: Part = {
     **json_content("Job", "The question became a job"),
     "headers": {

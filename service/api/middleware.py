@@ -53,9 +53,13 @@ class RequestContext:
                 headers["x-request-id"] = identifier
                 timings["total"] = 1e3 * (time.perf_counter() - begin)
                 headers["server-timing"] = ", ".join(f"{name};dur={ms:.3f}" for name, ms in timings.items())
-            elif message["type"] == "http.response.body":
+                await send(message)
+                if method == "HEAD":  # the end at once: events may go on for hours
+                    complete = True
+                    await send({"type": "http.response.body"})
+            elif method != "HEAD":
                 complete = not message.get("more_body", False)
-            await send(message)
+                await send(message)
 
         method = scope["method"]
         inner = {**scope, "method": "GET"} if method == "HEAD" else scope

@@ -43,6 +43,13 @@ class HttpError(SamplerscopeError):
         super().__init__(detail)
 
 
+class ClientGone(HttpError):
+    """The client closed the connection: the log has it, nobody is there to read it."""
+
+    def __init__(self) -> None:
+        super().__init__(408, "client-gone", "the client closed the connection")
+
+
 class OverBudget(BadInput):
     """A question beyond a limit of this server: `estimate` and `limit` in the unit of the field."""
 

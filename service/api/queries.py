@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from starlette.datastructures import QueryParams
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 
-from service.api.problems import HttpError
+from service.api.problems import ClientGone, HttpError
 from service.catalogue import Catalogue
 from service.errors import BadInput, Problem
 from service.formats import FORMATS
@@ -22,6 +22,8 @@ _LISTS = frozenset({"techniques", "statistics", "theta_o_deg", "phi_o_deg", "est
 _NOT_IN_QUERY = frozenset({"parameters", "estimator"})
 _IN_CATALOGUE = ("model", "techniques", "parameters", "zip")
 _QUICK_SERIES = 1000
+_MAX_MEMBERS = 1000
+"""Most members of one JSON object: a wrong name is told one by one."""
 
 
 def parameter_names(catalogue: Catalogue) -> list[str]:
@@ -38,8 +40,10 @@ def scene_of_query(query: QueryParams, kind: Kind, catalogue: Catalogue, paramet
     data: dict[str, Any] = {"parameters": {}, "estimator": {}}
     problems: list[Problem] = []
     preset: str | None = None
-    for name in query:
-        values = query.getlist(name)
+    given: dict[str, list[str]] = {}
+    for name, value in query.multi_items():
+        given.setdefault(name, []).append(value)
+    for name, values in given.items():
         split = [part.strip() for value in values for part in value.split(",")]
         if name in parameters:
             data["parameters"][name] = split
@@ -116,9 +120,22 @@ async def json_of_body(request: Request) -> Any:
     if media_type != "application/json":
         raise HttpError(415, "unsupported-media-type", "the body must be application/json")
     try:
-        return json.loads(await request.body(), parse_constant=_refuse)
+        return json.loads(await request.body(), parse_constant=_refuse, object_pairs_hook=_members)
+    except ClientDisconnect:
+        raise ClientGone from None
     except (ValueError, RecursionError) as error:
         raise HttpError(400, "malformed-json", f"the body is not JSON: {str(error)[:200]}") from None
+
+
+def _members(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
+    members = dict(pairs)
+    if len(pairs) > _MAX_MEMBERS:
+        raise ValueError(f"an object has {len(pairs)} members, {_MAX_MEMBERS} are allowed")
+    if len(members) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for name in names if names.count(name) > 1)
+        raise ValueError(f"{twice!r} is given more than once in an object")
+    return members
 
 
 def _refuse(constant: str) -> None:

@@ -8,6 +8,7 @@ import signal
 import socket
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from functools import partial
 from typing import Any
 
 import uvicorn
@@ -17,6 +18,7 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from lavapipe import DeviceNotFound
 from service.api import logs
 from service.api.app import create_app
+from service.api.connections import Connection
 from service.api.services import Services
 from service.api.settings import Settings
 from service.errors import BadInput, Problem
@@ -41,6 +43,7 @@ async def _serve(settings: Settings, listener: socket.socket) -> None:
     failures: list[Exception] = []
     config = uvicorn.Config(
         _noting(create_app(services), failures),
+        http=partial(Connection, arrival_s=settings.request_timeout_s),  # type: ignore[arg-type]
         log_config=None,
         access_log=False,
         server_header=False,

@@ -14,7 +14,7 @@ from starlette.responses import Response
 
 from service.api.jobs_json import accepted
 from service.api.metrics import Metrics
-from service.api.problems import HttpError, OverBudget, problem_of
+from service.api.problems import ClientGone, OverBudget, problem_of
 from service.api.representations import chosen_format, formats_of, represent
 from service.api.settings import Settings
 from service.catalogue import Catalogue, load_catalogue
@@ -163,6 +163,8 @@ class Services:
         stored = await self.answers.find(asked.key)
         if stored is not None:
             self.metrics.answers.labels("hit", kind).inc()
+        elif (job := self.jobs.at(asked.key)) is not None:
+            return accepted(job)
         else:
             estimate = await self.estimate(asked)
             patient = "respond-async" in request.headers.get("prefer", "")
@@ -233,6 +235,6 @@ async def unless_gone(request: Request, work: Coroutine[Any, Any, T]) -> T:
         if not gone:
             raise
         waiting.uncancel()
-        raise HttpError(408, "client-gone", "the client closed the connection") from None
+        raise ClientGone from None
     finally:
         watching.cancel()

@@ -30,7 +30,7 @@ class Settings(BaseSettings):
     max_samples: int = Field(10**13, gt=0, description="Most samples of one question, in all its cells.")
     max_cells: int = Field(65536, gt=0, description="Most cells (series x angles) of one question.")
     direct_limit_s: float = Field(3.0, ge=0, description="A question that is estimated to take longer becomes a job.")
-    request_timeout_s: float = Field(60.0, gt=0, description="Longest a direct answer may take, the queue included.")
+    request_timeout_s: float = Field(60.0, gt=0, description="Longest a request may take to arrive, and its answer.")
     queue_limit: int = Field(64, ge=0, description="Most direct questions that may wait.")
     jobs_limit: int = Field(100, ge=0, description="Most jobs that may wait.")
     client_limit: int = Field(16, gt=0, description="Most computations that one client may have under way.")

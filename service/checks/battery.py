@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,10 +13,10 @@ from service.checks.effort import FULL, QUICK
 from service.checks.outcome import NAMES, Outcome
 from service.checks.selection import Subject
 from service.engine import Engine
+from service.inputs import replay_command
 from service.probe import Probe
 from service.stability import survey_pair
-
-Progress = Callable[[str, int, int], None]
+from service.statistics import Progress
 
 
 @dataclass(frozen=True)
@@ -59,7 +58,7 @@ def check_technique(probe: Probe, battery: Battery, progress: Progress = lambda 
     return sorted(out, key=lambda outcome: NAMES.index(outcome.name))
 
 
-def check_models(probe: Probe, battery: Battery) -> list[Outcome]:
+def check_model(probe: Probe, battery: Battery) -> list[Outcome]:
     """The checks of the model alone; the probe's technique takes no part."""
     effort = QUICK if battery.quick else FULL
     rng = np.random.default_rng(battery.seed + 1)
@@ -83,7 +82,7 @@ def run_battery(
         progress(f"{probe.technique.name}: compiling", 0, 4)
         probe.compile()
     progress(f"{subject.model.name}: reciprocity and energy", 0, 4)
-    checks = [outcome.as_data(None) for outcome in check_models(probes[0], battery)]
+    checks = [outcome.as_data(None) for outcome in check_model(probes[0], battery)]
     for probe in probes:
         checks += [outcome.as_data(probe.technique.name) for outcome in check_technique(probe, battery, progress)]
     stability: dict[str, list[dict[str, Any]]] | None = None
@@ -98,8 +97,7 @@ def run_battery(
     edges = stability["checks"] if stability else []
     for check in [*checks, *edges]:
         if check["replay"] is not None:
-            check["replay"]["command"] = subject.replay_command(check["replay"])
-    info = engine.device.info
+            check["replay"]["command"] = replay_command(subject.given, check["replay"], subject.catalogue)
     return {
         "kind": "check",
         "subject": subject.given,
@@ -109,11 +107,5 @@ def run_battery(
         "checks": checks,
         "stability": stability,
         "left_out": [],
-        "run": {
-            "device": info.name,
-            "driver": info.driver_version,
-            "seed": battery.seed,
-            "quick": battery.quick,
-            "elapsed_ms": 1e3 * (time.perf_counter() - begin),
-        },
+        "run": engine.run_block(begin, seed=battery.seed, quick=battery.quick),
     }

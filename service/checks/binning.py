@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from service.checks.regions import TURN, Boxes
+from service.checks.sphere_quadrature import TURN, Boxes
 
 Array = NDArray[Any]
 EXPECTED_AT_LEAST = 20.0
@@ -26,8 +26,10 @@ CERTAIN = 0.5
 
 @dataclass(frozen=True)
 class Tree:
-    """Leaves of one cell: boxes (leaves, 4) as t0, t1, p0, p1; the extent of the directions in each, likewise; hits of
-    the counted sample; each sample's leaf.
+    """The leaves of one cell.
+
+    boxes: (leaves, 4) as t0, t1, p0, p1. extents: of the directions in each, likewise. hits: of the counted sample,
+    (leaves,). leaf: number of each sample's leaf.
     """
 
     boxes: Array
@@ -121,8 +123,9 @@ def _graded(low: float, first: float, last: float, high: float) -> list[float]:
 
 @dataclass(frozen=True)
 class ChiSquare:
-    """Pearson's statistic over pooled bins, its degrees of freedom, the probability of a larger one, and the share of
-    all counts in bins that took no part.
+    """Pearson's statistic over pooled bins, its degrees of freedom, and the probability of a larger one.
+
+    left_out: the share of all counts in bins that took no part.
     """
 
     statistic: float

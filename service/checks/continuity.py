@@ -1,6 +1,4 @@
-"""Continuity of BRDF and density across seams of the azimuth and at the ends of parameter ranges, in double
-precision.
-"""
+"""Continuity of BRDF and density across seams of the azimuth and at ends of parameter ranges, in double precision."""
 
 from __future__ import annotations
 
@@ -10,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from service.checks.outcome import Outcome, failed, passed
-from service.checks.subject import random_settings, replay
+from service.inputs import random_settings, replay
 from service.probe import Probe
 
 Array = NDArray[Any]
@@ -38,9 +36,8 @@ def check_continuity(probe: Probe, points: int, rng: np.random.Generator) -> Out
     ]
     found = seams + ends
     power = (
-        f"{count:,} random inputs at {len(_SEAMS)} azimuths and {len(ends)} ends of ranges; a jump above "
-        f"{JUMP:g} of the value in"
-        f" more than {SHARE:.1%}"
+        f"{count:,} random inputs at {len(_SEAMS)} azimuths and {len(ends)} ends of ranges; "
+        f"a jump above {JUMP:g} of the value in more than {SHARE:.1%}"
     )
     worst = max(found, key=lambda item: float((item[1] > JUMP).mean()))
     share = float((worst[1] > JUMP).mean())
@@ -58,13 +55,11 @@ def check_continuity(probe: Probe, points: int, rng: np.random.Generator) -> Out
     )
 
 
-def _directions(rng: np.random.Generator, count: int) -> Array:
-    z, phi = rng.uniform(0.02, 0.98, count), rng.uniform(0, 2 * np.pi, count)
-    sine = np.sqrt(1 - z * z)
-    return np.stack([sine * np.cos(phi), sine * np.sin(phi), z], axis=1)
+def _random_directions(rng: np.random.Generator, count: int) -> Array:
+    return _directions(rng.uniform(0.02, 0.98, count), rng.uniform(0, 2 * np.pi, count))
 
 
-def _turned(z: Array, phi: Array) -> Array:
+def _directions(z: Array, phi: Array) -> Array:
     sine = np.sqrt(1 - z * z)
     return np.stack([sine * np.cos(phi), sine * np.sin(phi), z], axis=1)
 
@@ -78,18 +73,18 @@ def _jump(before: Array, after: Array) -> Array:
 
 
 def _across_seam(probe: Probe, turn: float, count: int, rng: np.random.Generator) -> tuple[Array, Array, Array, Array]:
-    """Jump between the two sides of a seam; that which shrinks with the distance is a slope and none."""
-    z, wi = rng.uniform(0.02, 0.98, count), _directions(rng, count)
+    """Jump between the two sides of a seam; one that shrinks with the distance is a slope, and counts as none."""
+    z, wi = rng.uniform(0.02, 0.98, count), _random_directions(rng, count)
     parameters = random_settings(probe.declared, 64, rng)[rng.integers(0, 64, count)]
     sizes = []
     for distance in (_FAR, _NEAR):
         sides = [
-            probe.evaluate(_turned(z, np.full(count, 2 * np.pi * turn + sign * distance)), wi, parameters, "double")
+            probe.evaluate(_directions(z, np.full(count, 2 * np.pi * turn + sign * distance)), wi, parameters, "double")
             for sign in (-1, 1)
         ]
         sizes.append([_jump(getattr(sides[0], name), getattr(sides[1], name)) for name in ("brdf", "direction_pdf")])
     stays = [np.where(near > 0.5 * far, near, 0.0) for far, near in zip(*sizes, strict=True)]
-    return np.maximum(*stays), _turned(z, np.full(count, 2 * np.pi * turn)), wi, parameters
+    return np.maximum(*stays), _directions(z, np.full(count, 2 * np.pi * turn)), wi, parameters
 
 
 def _at_end(
@@ -101,7 +96,7 @@ def _at_end(
     whose reflectances are both 0 are what the file says they are.
     """
     p = list(probe.declared.values())[column]
-    wo, wi = _directions(rng, count), _directions(rng, count)
+    wo, wi = _random_directions(rng, count), _random_directions(rng, count)
     parameters = random_settings(probe.declared, 64, rng, at_ends=0.0)[rng.integers(0, 64, count)].astype(np.float64)
     value = getattr(p, end)
     inward = 1.0 if end == "min" else -1.0

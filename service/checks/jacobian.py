@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from service.checks.outcome import Outcome, failed, not_applicable, passed
-from service.checks.subject import random_settings, replay, view_directions
+from service.inputs import random_settings, replay, view_directions
 from service.probe import Probe
 
 Array = NDArray[Any]

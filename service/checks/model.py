@@ -10,15 +10,15 @@ from numpy.typing import NDArray
 
 from service.checks.effort import Effort
 from service.checks.outcome import Outcome, failed, passed
-from service.checks.regions import cut, grid, integrate
-from service.checks.subject import inner_value, random_settings, replay, settings, view_directions
+from service.checks.sphere_quadrature import cut, grid, integrate
+from service.inputs import inner_value, random_settings, replay, settings, view_directions
 from service.probe import Probe
+from service.verdict import ENERGY_LIMIT
 
 Array = NDArray[Any]
 
 RECIPROCITY = 1e-6
 SHARE = 1e-3
-ENERGY_LIMIT = 1.001
 DECLARED = 2e-4
 """Difference of the declared directional albedo from the integral, as a share of it, that counts."""
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-import numpy as np
+from service.plain_data import plain_data
 
 Status = Literal["pass", "fail", "not-applicable"]
 
@@ -48,9 +48,9 @@ class Outcome:
             "technique": technique,
             "status": self.status,
             "message": self.message,
-            "evidence": plain(self.evidence),
+            "evidence": plain_data(self.evidence),
             "power": self.power,
-            "replay": plain(self.replay),
+            "replay": plain_data(self.replay),
         }
 
 
@@ -67,18 +67,3 @@ def failed(name: str, message: str, power: str, replay: Mapping[str, Any] | None
 def not_applicable(name: str, reason: str) -> Outcome:
     """A check that says nothing about this subject, and why."""
     return Outcome(name, "not-applicable", reason)
-
-
-def plain(value: Any) -> Any:
-    """Numbers, lists and dicts only; NaN and infinities become None."""
-    if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, np.ndarray):
-        return plain(value.tolist())
-    if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
-    if isinstance(value, np.generic):
-        return plain(value.item())
-    if isinstance(value, float) and not np.isfinite(value):
-        return None
-    return value

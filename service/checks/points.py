@@ -1,6 +1,4 @@
-"""Checks of single values: finite, non-negative, on the sphere, above the horizon, and one density from both
-functions.
-"""
+"""Checks of single values: finite, non-negative, on the sphere, above the horizon, one density from both functions."""
 
 from __future__ import annotations
 
@@ -11,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from service.checks.outcome import Outcome, failed, passed
-from service.checks.subject import random_settings, replay, view_directions
+from service.inputs import random_settings, replay, view_directions
 from service.probe import Probe, Values
 from service.stability.grid import EDGE_COSINES, EDGE_NUMBERS, edge_settings
 
@@ -196,9 +194,8 @@ def check_hemisphere(probe: Probe, points: Points) -> Outcome:
     i = _worst(below, -points.single.wi[:, 2])
     return failed(
         "hemisphere",
-        f"{share:.3g} of the directions lie below the horizon (z down to {points.single.wi[i, 2]:.3g}), "
-        f"and the head does not"
-        " say below_horizon = true",
+        f"{share:.3g} of the directions lie below the horizon (z down to {points.single.wi[i, 2]:.3g}), and the head "
+        "does not say below_horizon = true",
         power,
         _replay(probe, points, i),
         share=share,
@@ -209,9 +206,8 @@ def check_pdf_agreement(probe: Probe, points: Points) -> Outcome:
     """The density that comes with a direction is what `direction_pdf` says of that direction."""
     inside = slice(points.edges, None)
     power = (
-        f"{len(points.wo) - points.edges:,} random inputs in double precision; a difference above "
-        f"{DISAGREEMENT:g} in more"
-        " than 1 of 2,000"
+        f"{len(points.wo) - points.edges:,} random inputs in double precision; a difference above {DISAGREEMENT:g} in "
+        "more than 1 of 2,000"
     )
     pdf, other = points.double.pdf[inside], points.double.direction_pdf[inside]
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
@@ -228,8 +224,8 @@ def check_pdf_agreement(probe: Probe, points: Points) -> Outcome:
     i = points.edges + _worst(wrong, off)
     return failed(
         "pdf-agreement",
-        f"direction_pdf differs from the density of the sample for {share:.3g} of the directions, by up "
-        f"to {largest:.3g}",
+        f"direction_pdf differs from the density of the sample for {share:.3g} of the directions, by up to "
+        f"{largest:.3g}",
         power,
         _replay(probe, points, i),
         share=share,

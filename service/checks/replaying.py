@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from service.checks.outcome import plain
 from service.checks.selection import Subject
-from service.checks.subject import bits
 from service.engine import Engine
 from service.errors import BadInput, Problem
+from service.inputs import bits
+from service.plain_data import plain_data
 from service.probe import Probe, Values
 
 
@@ -50,16 +50,16 @@ def replay_inputs(
         "subject": subject.given,
         "model": subject.model.name,
         "technique": probe.technique.name,
-        "parameters": plain(dict(zip(probe.names, row[0], strict=True))),
-        "wo": plain(view[0]),
-        ("u" if u is not None else "wi_given"): plain(value[0]),
+        "parameters": plain_data(dict(zip(probe.names, row[0], strict=True))),
+        "wo": plain_data(view[0]),
+        ("u" if u is not None else "wi_given"): plain_data(value[0]),
         "float32": _values(single) | {"bits": _bits(single)},
         "float64": _values(double),
     }
 
 
 def _values(values: Values) -> dict[str, Any]:
-    out: dict[str, Any] = {name: plain(getattr(values, name)[0]) for name in values.__dataclass_fields__}
+    out: dict[str, Any] = {name: plain_data(getattr(values, name)[0]) for name in values.__dataclass_fields__}
     return out | {"nonfinite": [name for name in out if not np.isfinite(getattr(values, name)[0]).all()]}
 
 

@@ -1,6 +1,4 @@
-"""Checks of many drawn directions against integrals of the density: normalisation, chi-square, coverage, mean
-weight.
-"""
+"""Checks of many drawn directions against integrals of the density: normalisation, chi-square, coverage, mean."""
 
 from __future__ import annotations
 
@@ -14,8 +12,9 @@ from numpy.typing import NDArray
 from service.checks.binning import ChiSquare, Tree, boxes_of, chi_square, is_certain, partition
 from service.checks.effort import FALSE_ALARM, Effort
 from service.checks.outcome import Outcome, failed, not_applicable, passed
-from service.checks.regions import Integrals, Known, coordinates, cut, integrate
-from service.checks.subject import Cells, cells_of, replay
+from service.checks.sphere_quadrature import Integrals, Known, coordinates, cut, integrate
+from service.inputs import Cells, cells_of, replay
+from service.moments import bernstein_half_width
 from service.probe import Probe, Values
 from service.random_numbers import cell_key, random_pairs
 
@@ -41,9 +40,7 @@ EXPECTED_REST = 1e-4
 """Share of samples without a density from which they are a bin of their own."""
 
 TRUNCATION = 8.0
-"""Weights are compared up to so many times the 99.9th percentile of the pilot: a mean with known bounds, whatever
-the tail.
-"""
+"""Weights are compared up to so many times their 99.9th percentile: a mean with known bounds, whatever the tail."""
 
 
 @dataclass(frozen=True)
@@ -116,13 +113,6 @@ def _integrals(probe: Probe, cells: Cells, trees: list[Tree], known: Known, limi
     return integrate(boxes, integrands, (len(cells), bins), GOAL, effort.quadrature, known=known)
 
 
-def _bernstein(variance: float, bound: float, n: int, rate: float) -> float:
-    """Half width of a two-sided interval for a mean of n values in [0, bound] (Bernstein's inequality)."""
-    log_term = math.log(2.0 / rate)
-    linear = bound * log_term / 3.0
-    return (linear + math.sqrt(linear**2 + 2.0 * n * max(variance, 0.0) * log_term)) / n
-
-
 def _sample_in_leaf(s: Sampled, cell: int, leaf: int) -> int:
     """A counted sample of this leaf, or the first sample where it has none."""
     tree = s.trees[cell]
@@ -146,7 +136,8 @@ def check_normalisation(probe: Probe, s: Sampled) -> Outcome:
     integral, error = s.integrals.total[0], s.integrals.error[0]
     share = np.array([c.mean() for c in s.counted])
     n = len(s.counted[0])
-    chance = np.array([_bernstein(x * (1 - x), 1.0, n, FALSE_ALARM / len(share)) if x < 1 else 0.0 for x in share])
+    half = bernstein_half_width(share * (1 - share), np.ones(len(share)), n, FALSE_ALARM / len(share))
+    chance = np.where(share < 1, half, 0.0)
     # The error estimate is the last difference of two levels; next to a pole of the density more than that is left.
     allowed = chance + 4 * error + NORMALISATION
     excess = np.abs(integral - share) - allowed
@@ -283,12 +274,7 @@ def check_unbiased(probe: Probe, s: Sampled) -> Outcome:
     reflected, lost, mean, square = s.integrals.total[1:5]
     n = len(s.weights[0])
     sampled = np.array([np.minimum(w, limit).mean() for w, limit in zip(s.weights, s.limits, strict=True)])
-    half = np.array(
-        [
-            _bernstein(q - m * m, limit, n, FALSE_ALARM / len(mean))
-            for m, q, limit in zip(mean, square, s.limits, strict=True)
-        ]
-    )
+    half = bernstein_half_width(np.maximum(square - mean * mean, 0.0), s.limits, n, FALSE_ALARM / len(mean))
     rounding = 2e-5 * np.maximum(reflected, 0.0) + 2 * s.integrals.error[3]
     scale = np.maximum(reflected, 1e-12)
     off = np.abs(sampled - mean)

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
 
 from service.catalogue import Catalogue, Entry, is_file, own_text
 from service.errors import BadInput, Problem
@@ -27,25 +25,6 @@ class Subject:
     techniques: tuple[Entry, ...]
     fixed: Mapping[str, float]
 
-    def replay_command(self, inputs: Mapping[str, Any]) -> str:
-        """The command that evaluates these inputs again and shows every value."""
-        return replay_command(self.given, inputs, self.catalogue)
-
-
-def replay_command(given: str, inputs: Mapping[str, Any], catalogue: Catalogue) -> str:
-    """The command that evaluates a model and technique at exact inputs; `given` is a file or a name of the
-    catalogue, and other files of the user's are called by their paths.
-    """
-    model, technique = catalogue.model(inputs["model"]), catalogue.technique(inputs["technique"])
-    names = [entry.origin if entry.own and entry.origin != given else entry.name for entry in (model, technique)]
-    words = ["samplerscope", "check", given, "--model", names[0], "--technique", names[1]]
-    for name, value in inputs["parameters"].items():
-        words += ["--set", f"{name}={value!r}"]
-    for name in ("wo", "u", "wi"):
-        if f"{name}_bits" in inputs:
-            words += [f"--{name}", ",".join(inputs[f"{name}_bits"])]
-    return shlex.join(words)
-
 
 def with_files(catalogue: Catalogue, files: Mapping[str, str]) -> tuple[Catalogue, dict[str, str]]:
     """The catalogue with files, given as text by path, and the names of their entries by path."""
@@ -63,10 +42,10 @@ def select(
     text: str | None = None,
     files: Mapping[str, str] = NO_FILES,
 ) -> Subject:
-    """Find the subject. A technique runs on `model` (default eon, or the first it is made for), a model with
-    `techniques`. Where `text` is given, it is the file's, which is not read. `model` and `techniques` are names, or
-    paths that `files` has the texts of.
+    """Find the subject.
 
+    A technique runs on `model` (default eon, or the first it is made for), a model with `techniques`: names, or paths
+    that `files` has the texts of. Where `text` is given, it is the file's, which is not read.
     BadInput names what does not exist or does not fit; ShaderFileError a file that breaks the contract.
     """
     catalogue, called = with_files(catalogue, {path: files[path] for path in files if path != given})

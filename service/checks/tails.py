@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from service.checks.effort import Effort
 from service.checks.outcome import Outcome, failed, passed
-from service.checks.subject import Cells, cells_of, replay
+from service.inputs import Cells, cells_of, replay
 from service.probe import Probe
 
 Array = NDArray[Any]
@@ -37,7 +37,11 @@ _LAST = 1.0 - 2.0**-53
 
 @dataclass(frozen=True)
 class Tails:
-    """Thresholds (levels, cells) with P(w > threshold) = 4^-level, the largest weight found, and where (cells, 2)."""
+    """What the search has found of every cell.
+
+    thresholds: P(w > threshold) = 4^-level for the levels 1, 2, ..., shape (levels, cells). largest: weight, (cells,).
+    u: where that is, (cells, 2).
+    """
 
     cells: Cells
     thresholds: Array
@@ -91,9 +95,7 @@ def _note_largest(largest: Array, place: Array, u: Array, w: Array) -> tuple[Arr
 
 
 def _moved(u: Array, rng: np.random.Generator) -> Array:
-    """Every member moved by the difference of two others, scaled; in both numbers or in one. Symmetric, as it must
-    be.
-    """
+    """Every member moved by the scaled difference of two others, in both numbers or in one: a symmetric proposal."""
     count, size, _ = u.shape
     a, b = rng.integers(0, size, (2, count, size))
     rows = np.arange(count)[:, None]
@@ -138,9 +140,8 @@ def _evidence(t: Tails, cell: int) -> dict[str, Any]:
 def check_tail(probe: Probe, t: Tails) -> Outcome:
     """The weight has a variance: its tail falls faster than W^-2."""
     power = (
-        f"{len(t.cells)} settings and views, P(w > W) followed down to "
-        f"{KEPT ** -float(len(t.thresholds)):.0e}; an index up to"
-        f" {INFINITE_VARIANCE:g} counts as infinite variance"
+        f"{len(t.cells)} settings and views, P(w > W) followed down to {KEPT ** -float(len(t.thresholds)):.0e}; "
+        f"an index up to {INFINITE_VARIANCE:g} counts as infinite variance"
     )
     worst = int(np.argmin(t.index))
     if t.index[worst] >= INFINITE_VARIANCE:
@@ -148,8 +149,7 @@ def check_tail(probe: Probe, t: Tails) -> Outcome:
     return failed(
         "tail",
         f"the weight has no variance: P(w > W) falls like W^-{t.index[worst]:.3g}, in "
-        f"{int((t.index < INFINITE_VARIANCE).sum())}"
-        f" of {len(t.index)} settings and views",
+        f"{int((t.index < INFINITE_VARIANCE).sum())} of {len(t.index)} settings and views",
         power,
         replay(probe, t.cells.wo[worst], t.cells.parameters[worst], u=t.u[worst]),
         **_evidence(t, worst),
@@ -159,12 +159,12 @@ def check_tail(probe: Probe, t: Tails) -> Outcome:
 def check_supremum(probe: Probe, t: Tails) -> Outcome:
     """For a fixed view the weight has an upper bound."""
     power = (
-        f"{len(t.cells)} settings and views; growth as a power of 1/probability, index up to {UNBOUNDED:g}, down to a"
-        f" probability of {KEPT ** -float(len(t.thresholds)):.0e}; slower growth, as of a logarithm, is "
-        f"not told from a bound"
+        f"{len(t.cells)} settings and views; growth as a power of 1/probability, index up to {UNBOUNDED:g}, down to a "
+        f"probability of {KEPT ** -float(len(t.thresholds)):.0e}; slower growth, as of a logarithm, is not told from a "
+        "bound"
     )
     worst = int(np.argmin(t.index))
-    quarter = t.thresholds[min(6, len(t.thresholds) - 1)]
+    exceeded = t.thresholds[6 - 1]  # by one sample in 4^6
     if t.index[worst] >= UNBOUNDED:
         top = int(np.argmax(t.largest))
         return passed(
@@ -172,17 +172,16 @@ def check_supremum(probe: Probe, t: Tails) -> Outcome:
             f"the weight is bounded; the largest one found by search is {t.largest[top]:.5g}",
             power,
             supremum=float(t.largest[top]),
-            exceeded_once_in_4096=float(quarter[top]),
+            exceeded_once_in_4096=float(exceeded[top]),
             **_evidence(t, top),
         )
     return failed(
         "supremum",
-        f"the weight has no upper bound: {t.largest[worst]:.3g} found by search, still growing; one "
-        f"sample in 4,096 exceeds"
-        f" {quarter[worst]:.3g}",
+        f"the weight has no upper bound: {t.largest[worst]:.3g} found by search, still growing; one sample in 4,096 "
+        f"exceeds {exceeded[worst]:.3g}",
         power,
         replay(probe, t.cells.wo[worst], t.cells.parameters[worst], u=t.u[worst]),
         largest_found=float(t.largest[worst]),
-        exceeded_once_in_4096=float(quarter[worst]),
+        exceeded_once_in_4096=float(exceeded[worst]),
         **_evidence(t, worst),
     )

@@ -15,6 +15,7 @@ import click
 
 from service.errors import BadInput, Problem, SamplerscopeError
 
+EXIT_FAILED = 1
 EXIT_BAD_INPUT = 2
 EXIT_NO_DEVICE = 3
 EXIT_INTERRUPTED = 130

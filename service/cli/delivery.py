@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from service.cli import EXIT_FAILED
 from service.errors import BadInput, Problem
 
 if TYPE_CHECKING:
@@ -65,7 +66,7 @@ def deliver(
     format_: str | None,
     outputs: tuple[str, ...],
     draw: Draw | None = None,
-) -> None:
+) -> dict[str, Any]:
     """Write a result of this kind to the files asked for, else to stdout. Formats and paths are checked before anything
     is computed.
 
@@ -87,6 +88,7 @@ def deliver(
         shown = _fitted(kind, result) if (format_ or "table") == "table" else None
         sys.stdout.buffer.write(shown or formats.encode(result, format_ or "table", draw))
         sys.stdout.buffer.flush()
+    return result
 
 
 def _fitted(kind: str, result: dict[str, Any]) -> bytes | None:
@@ -97,3 +99,26 @@ def _fitted(kind: str, result: dict[str, Any]) -> bytes | None:
     from service.formats.table import WIDTH, statistics_table
 
     return statistics_table(result, max(width, NARROWEST)).encode() if width < WIDTH else None
+
+
+def deliver_with_reports(
+    kind: str,
+    compute: Callable[[], dict[str, Any]],
+    reports: tuple[str, ...],
+    format_: str | None,
+    outputs: tuple[str, ...],
+) -> None:
+    """As `deliver`, with report cards beside the result; ends the process with EXIT_FAILED where a check failed."""
+    from service.reports import require_report, write_report
+
+    for path in reports:
+        require_report(path)
+
+    def compute_and_report() -> dict[str, Any]:
+        result = compute()
+        for path in reports:
+            write_report(result, path)
+        return result
+
+    if deliver(kind, compute_and_report, format_, outputs)["status"] == "fail":
+        sys.exit(EXIT_FAILED)

@@ -32,6 +32,10 @@ def output_options(command: Command, formats: str = "table, json, csv, npz, vega
     return command
 
 
+report_option = click.option(
+    "--report", "reports", multiple=True, metavar="FILE", help="Report card as .html, .json or .md; repeatable."
+)
+
 _SCENE: tuple[tuple[tuple[str, ...], dict[str, Any]], ...] = (
     (("--model",), {"metavar": "NAME|FILE", "help": f"A name, a .glsl file, or all. Default: {DEFAULT_MODEL}."}),
     (

@@ -101,7 +101,8 @@ def quadrature_curve(plan: SeriesPlan, scene: ConvergenceScene, engine: Engine, 
     for tolerance in TOLERANCES:
         rule = Estimator(method="quadrature", tolerance=tolerance)
         again = [
-            quadrature(plan, engine, cells, rule, finite, wanted=True, structure=structure) for _ in range(RULE_REPEATS)
+            quadrature(plan, engine, cells, rule, finite, with_variance=True, structure=structure)
+            for _ in range(RULE_REPEATS)
         ]
         runs.append(min(again, key=lambda run: run.device_ns))
     moments = [run.statistics for run in runs if run.statistics is not None]

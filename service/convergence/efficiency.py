@@ -47,7 +47,7 @@ def efficiency_table(question: Question, engine: Engine, costs: Mapping[str, Cos
     names = list(plans)
     return {
         "parameters": rows,
-        "techniques": list(plans),
+        "techniques": names,
         "theta_o_deg": ANGLES_DEG,
         "efficiency": [[[_value(x) for x in angles] for angles in row] for row in table],
         "winner": [[_winner(names, column) for column in row.T] for row in table],
@@ -83,8 +83,10 @@ def _declared(question: Question, engine: Engine) -> dict[str, Parameter]:
 
 
 def _rows(question: Question, engine: Engine) -> list[dict[str, float]]:
-    """The scene's own values where it sets them, else STEPS over the range of what the techniques read, or of what
-    `efficiency_over` names.
+    """The sets of parameter values of the table.
+
+    Parameters that the scene sets have its values. What the techniques read, or what `efficiency_over` names, takes
+    STEPS values over its range.
     """
     scene = cast(ConvergenceScene, question.scene)
     read = {name for plan in question.series for name in (*plan.technique.head.uses, *plan.technique.head.parameters)}

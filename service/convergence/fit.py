@@ -23,8 +23,8 @@ ROUNDING = 3e-7  # relative errors below this are float32 rounding of weights an
 class Fit:
     """A power law error = c count^slope for each angle; NaN where no curve of at least four points is there.
 
-    Intervals have shape (angles, 2). count_to_target is at least 1; inf where the bias alone is
-    above the target, NaN where there is no fit.
+    Intervals have shape (angles, 2). count_to_target is at least 1; inf where the bias alone is above the target, NaN
+    where there is no fit.
     """
 
     slope: Array

@@ -17,9 +17,9 @@ from service.convergence.scene import ConvergenceScene
 from service.convergence.truth import Truth, series_truth
 from service.engine import Engine
 from service.left_out import Feature, error_curve_features, report
+from service.plain_data import finite_or_none
 from service.scene import Question, SeriesPlan
 from service.statistics import Progress
-from service.verdict import finite_or_none
 
 
 def compute_convergence(question: Question, engine: Engine, progress: Progress = lambda *_: None) -> dict[str, Any]:
@@ -42,7 +42,6 @@ def compute_convergence(question: Question, engine: Engine, progress: Progress =
             built_ms += curve.built_ms
             series.append(_series(plan, scene, curve, truth, costs[plan.technique.name], curves))
             features.append(error_curve_features(plan, curve.method))
-    info = engine.device.info
     return {
         "kind": "convergence",
         "scene": scene.model_dump(mode="json"),
@@ -51,14 +50,12 @@ def compute_convergence(question: Question, engine: Engine, progress: Progress =
         "ranking": _rankings(scene, series),
         "efficiency": efficiency_table(question, engine, costs),
         "left_out": report(features),
-        "run": {
-            "device": info.name,
-            "driver": info.driver_version,
-            "threads": info.threads,
-            "repeats": next(iter(costs.values())).repeats,
-            "compile_ms": built_ms,
-            "elapsed_ms": 1e3 * (time.perf_counter() - begin),
-        },
+        "run": engine.run_block(
+            begin,
+            threads=engine.device.info.threads,
+            repeats=next(iter(costs.values())).repeats,
+            compile_ms=built_ms,
+        ),
     }
 
 

@@ -9,9 +9,18 @@ from typing import Annotated, Any
 from pydantic import Field, ValidationError
 
 from service.errors import BadInput, Problem
-from service.scene import ALL_MODELS, MAX_ANGLES, METHODS, Angle, AngleCount, Estimator, Method, Scene, scene_problems
-
-LEAST_COUNT = 2**4
+from service.scene import (
+    ALL_MODELS,
+    MAX_ANGLES,
+    MAX_NAMES,
+    METHODS,
+    Angle,
+    AngleCount,
+    Estimator,
+    Method,
+    Scene,
+    scene_problems,
+)
 
 
 class ConvergenceScene(Scene):
@@ -28,8 +37,8 @@ class ConvergenceScene(Scene):
     estimator: Estimator = Estimator(method="mc", samples=2**20)
     target_error: float = Field(0.01, gt=0, lt=1, allow_inf_nan=False)
     replicates: int = Field(32, ge=32, le=1024)
-    estimators: list[Method] = Field(default_factory=lambda: list(METHODS), min_length=1)
-    efficiency_over: list[str] = Field(default_factory=list)
+    estimators: list[Method] = Field(default_factory=lambda: list(METHODS), min_length=1, max_length=MAX_NAMES)
+    efficiency_over: list[str] = Field(default_factory=list, max_length=MAX_NAMES)
 
     @property
     def counts(self) -> list[int]:

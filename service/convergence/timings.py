@@ -29,21 +29,18 @@ def compute_timings(
     begin = time.perf_counter()
     loops = _loops(engine.catalogue)
     found, built_ms = measure_costs(engine, loops, repeats, lambda done, total: progress("timing", done, total))
-    info = engine.device.info
     return {
         "kind": "timings",
         "rows": [_row(loop, cost) for loop, cost in zip(loops, found, strict=True)],
         "source": SOURCE,
         "left_out": [],
-        "run": {
-            "device": info.name,
-            "driver": info.driver_version,
-            "threads": info.threads,
-            "repeats": repeats,
-            "calls": CALLS * GROUPS * LANES,
-            "compile_ms": built_ms,
-            "elapsed_ms": 1e3 * (time.perf_counter() - begin),
-        },
+        "run": engine.run_block(
+            begin,
+            threads=engine.device.info.threads,
+            repeats=repeats,
+            calls=CALLS * GROUPS * LANES,
+            compile_ms=built_ms,
+        ),
     }
 
 

@@ -63,7 +63,7 @@ def _moments(plan: SeriesPlan, scene: Scene, engine: Engine) -> tuple[Array, Arr
     names = engine.catalogue.parameters_of(plan.model, plan.technique)
     values = {name: plan.parameters.get(name, parameter.default) for name, parameter in names.items()}
     cells = series_cells(replace(plan, parameters=values), scene)
-    statistics = quadrature(plan, engine, cells, _RULE, np.ones(len(cells), bool), wanted=True).statistics
+    statistics = quadrature(plan, engine, cells, _RULE, np.ones(len(cells), bool), with_variance=True).statistics
     assert statistics is not None  # a quadrature always has moments
     return (
         statistics.mean,

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from service.checks.effort import FULL
-from service.checks.subject import Cells as Views
 from service.checks.tails import INFINITE_VARIANCE, follow
 from service.device_reference.drawn import draw
 from service.device_reference.hemisphere import Albedo, albedos
@@ -21,10 +20,11 @@ from service.device_reference.weights import WeightMoments, weight_moments
 from service.engine import Engine
 from service.estimators.panels import Array
 from service.estimators.quadrature import LEAST_VARIANCE
+from service.inputs import Cells as Views
 from service.probe import Probe
 from service.reference import CellReference
 from service.sampling import Cells
-from service.scene import SeriesPlan, radians
+from service.scene import SeriesPlan
 
 WORST = 1e-2
 """A value whose relative error may be larger than this is not given."""
@@ -53,8 +53,8 @@ def device_reference(plan: SeriesPlan, engine: Engine, theta_o_deg: Sequence[flo
     albedo, largest = albedos(probe, cells, sky), suprema(probe, cells, moments.seen, drawn.splits)
     known = _known(moments, albedo)
     infinite = known & np.isinf(largest) & np.isinf(moments.variance)
-    open_ = known & np.isinf(largest) & ~infinite & ~_near(moments)
-    infinite[open_] = _tail_index(probe, cells, open_) < INFINITE_VARIANCE
+    undecided = known & np.isinf(largest) & ~infinite & ~_near(moments)
+    infinite[undecided] = _tail_index(probe, cells, undecided) < INFINITE_VARIANCE
     return _assemble(moments, albedo, np.where(known, largest, np.nan), known, infinite)
 
 
@@ -73,6 +73,7 @@ def _agree(m: WeightMoments, a: Albedo) -> NDArray[np.bool_]:
 
 
 def _near(m: WeightMoments) -> NDArray[np.bool_]:
+    """Where the variance has converged well enough to be given."""
     with np.errstate(invalid="ignore"):
         return np.asarray(m.variance_error <= WORST * np.maximum(m.variance, LEAST_VARIANCE / WORST))
 
@@ -86,8 +87,8 @@ def _tail_index(probe: Probe, cells: Cells, chosen: NDArray[np.bool_]) -> Array:
 
 
 def _cells(plan: SeriesPlan, probe: Probe, theta_o_deg: Sequence[float]) -> Cells:
-    phi = radians(plan.azimuth_deg)
-    theta = [radians(angle) for angle in theta_o_deg]
+    phi = math.radians(plan.azimuth_deg)
+    theta = [math.radians(angle) for angle in theta_o_deg]
     wo = np.array([(math.sin(t) * math.cos(phi), math.sin(t) * math.sin(phi), math.cos(t)) for t in theta])
     row = [plan.parameters.get(name, parameter.default) for name, parameter in probe.declared.items()]
     return Cells(wo, np.zeros((len(wo), 2), np.uint32), np.tile(np.array(row, np.float64), (len(wo), 1)))
@@ -100,19 +101,17 @@ def _assemble(
     albedo_known = a.trusted & (a.error <= np.where(mean_known & _agree(m, a), WORST, ALONE) * a.albedo)
     variance = np.where(infinite, np.inf, np.where(known & _near(m), m.variance, np.nan))
     uncovered_known = a.trusted & (a.uncovered_error <= WORST * np.maximum(a.albedo, 1e-300))
-    columns = np.stack(
-        [
-            np.where(mean_known, m.mean, np.nan),
-            np.where(albedo_known, a.albedo, np.nan),
-            variance,
-            np.where(infinite, np.inf, np.where(np.isnan(variance), np.nan, m.fourth)),
-            largest,
-            np.where(uncovered_known, a.uncovered, np.nan),
-            np.where(known, m.zero, np.nan),
-            np.zeros(len(m.mean)),
-            np.where(mean_known, m.mean_error, np.nan),
-            np.where(albedo_known, a.error, np.nan),
-            np.where(np.isnan(variance), np.nan, np.where(infinite, np.inf, m.variance_error)),
-        ]
-    )
-    return [CellReference(*(float(value) for value in cell)) for cell in columns.T]
+    columns = {
+        "mean": np.where(mean_known, m.mean, np.nan),
+        "albedo": np.where(albedo_known, a.albedo, np.nan),
+        "variance": variance,
+        "fourth_moment": np.where(infinite, np.inf, np.where(np.isnan(variance), np.nan, m.fourth)),
+        "max_weight": largest,
+        "uncovered": np.where(uncovered_known, a.uncovered, np.nan),
+        "zero_probability": np.where(known, m.zero, np.nan),
+        "tail_strength": np.zeros(len(m.mean)),
+        "mean_uncertainty": np.where(mean_known, m.mean_error, np.nan),
+        "albedo_uncertainty": np.where(albedo_known, a.error, np.nan),
+        "variance_uncertainty": np.where(np.isnan(variance), np.nan, np.where(infinite, np.inf, m.variance_error)),
+    }
+    return [CellReference(**{name: float(column[at]) for name, column in columns.items()}) for at in range(len(m.mean))]

@@ -13,6 +13,7 @@ from service.device_reference.pilot import GRADED_AT_BOTH, Points, piloted_panel
 from service.estimators.cubature import Goal, Integrals, Values, integrate
 from service.estimators.panels import NARROWEST_DOUBLE, Array, Panels, children
 from service.estimators.quadrature import LEAST_VARIANCE, Evaluator
+from service.moments import central_moments
 from service.probe import Probe
 from service.sampling import Cells
 
@@ -102,15 +103,10 @@ def uncertainty(fine: Array, coarse: Array, stated: Array) -> Array:
     return np.asarray(SAFETY * np.maximum(stated, np.abs(fine - coarse)) + SLIVER * np.abs(fine))
 
 
-def _central(found: Integrals) -> tuple[Array, Array, Array]:
-    a, b, c, d = found.powers
-    variance = np.maximum(b - a * a, 0.0)
-    return found.shift + a, variance, np.maximum(d - 4 * a * c + 6 * a * a * b - 3 * a**4, 0.0)
-
-
 def _moments(coarse: Integrals, fine: Integrals, drawn: Drawn) -> WeightMoments:
-    mean, variance, fourth = _central(fine)
-    mean_before, variance_before, fourth_before = _central(coarse)
+    mean, mean_before = (found.shift + found.powers[0] for found in (fine, coarse))
+    variance, fourth = central_moments(fine.powers)
+    variance_before, fourth_before = central_moments(coarse.powers)
     settled = np.abs(fourth - fourth_before) <= 1e-2 * fourth
     bad = (fine.nonfinite > 0) | ~np.isfinite(drawn.weight).all(axis=1)
     sampled = np.sum(drawn.measure * np.nan_to_num(drawn.weight, nan=0.0, posinf=0.0, neginf=0.0), axis=1)

@@ -6,6 +6,6 @@ integrates over the (u1, u2) square of the technique. Each takes a series and gi
 
 from service.estimators.choice import estimate
 from service.estimators.estimate import Estimate
-from service.estimators.sampled import statistics_so_far
+from service.estimators.sampled import SeriesRun, statistics_so_far
 
-__all__ = ["Estimate", "estimate", "statistics_so_far"]
+__all__ = ["Estimate", "SeriesRun", "estimate", "statistics_so_far"]

@@ -9,14 +9,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from service.engine import Engine
 from service.estimators.estimate import Estimate
 from service.estimators.quadrature import LEAST_VARIANCE, quadrature
-from service.estimators.sampled import REPLICATES, Advance, monte_carlo, nothing_drawn, quasi_monte_carlo
+from service.estimators.sampled import REPLICATES, SeriesRun, monte_carlo, nothing_drawn, quasi_monte_carlo
 from service.reference import CellReference
-from service.sampling import Cells, Journal
-from service.scene import Estimator, Scene, SeriesPlan
-from service.structure import Structure
+from service.scene import Estimator, Scene
 
 FIRST_SAMPLES = 1 << 16
 MOST_SAMPLES = 1 << 26
@@ -28,53 +25,43 @@ ATTEMPTS = 4
 Draw = Callable[[Estimator], Estimate]
 
 
-def estimate(
-    plan: SeriesPlan,
-    scene: Scene,
-    engine: Engine,
-    cells: Cells,
-    reference: Sequence[CellReference] | None,
-    structure: Structure,
-    advance: Advance = lambda done: None,
-    journal: Journal | None = None,
-) -> Estimate:
+def estimate(run: SeriesRun, scene: Scene, reference: Sequence[CellReference] | None) -> Estimate:
     """The statistics of one series by the estimator of the scene, or by the one that reaches its tolerance first.
 
-    structure: what is to be computed; see service.left_out.
     A tolerance without a method is tried with the quadrature, which needs the least; a series that it cannot resolve
     within its budget is sampled by `qmc`, with as many points as its own error bars ask for.
     """
-    asked = scene.estimator
-    if not structure.drawn:
-        advance(asked.samples * len(cells))
-        return nothing_drawn(len(cells), asked)
-    wanted = "variance" in scene.statistics
-    finite = np.ones(len(cells), bool)
+    asked, count = scene.estimator, len(run.cells)
+    if not run.structure.drawn:
+        run.advance(asked.samples * count)
+        return nothing_drawn(count, asked)
+    with_variance = "variance" in scene.statistics
+    finite_variance = np.ones(count, bool)
     if reference is not None:
-        finite = ~np.isinf([cell.variance for cell in reference])
+        finite_variance = ~np.isinf([cell.variance for cell in reference])
 
     def drawn(method: str) -> Draw:
         if method == "mc":
-            return lambda one: monte_carlo(plan, engine, cells, one, structure, advance, journal)
-        return lambda one: quasi_monte_carlo(plan, engine, cells, scene.angles_deg, one, structure, advance, journal)
+            return lambda one: monte_carlo(run, one)
+        return lambda one: quasi_monte_carlo(run, scene.angles_deg, one)
 
     if asked.method in ("mc", "qmc"):
         draw = drawn(asked.method)
-        return draw(asked) if asked.tolerance is None else _sampled_to(draw, asked, finite, wanted)
-    by_rule = quadrature(plan, engine, cells, asked, finite, wanted, structure)
+        return draw(asked) if asked.tolerance is None else _sampled_to(draw, asked, finite_variance, with_variance)
+    by_rule = quadrature(run.plan, run.engine, run.cells, asked, finite_variance, with_variance, run.structure)
     if asked.method == "quadrature" or not np.any(by_rule.unreached & ~by_rule.divergent):
         return by_rule
-    by_samples = _sampled_to(drawn("qmc"), asked, finite & ~by_rule.divergent, wanted)
+    by_samples = _sampled_to(drawn("qmc"), asked, finite_variance & ~by_rule.divergent, with_variance)
     return replace(by_samples, device_ns=by_samples.device_ns + by_rule.device_ns)
 
 
-def _sampled_to(draw: Draw, asked: Estimator, finite: NDArray[np.bool_], wanted: bool) -> Estimate:
+def _sampled_to(draw: Draw, asked: Estimator, finite_variance: NDArray[np.bool_], with_variance: bool) -> Estimate:
     """Draw more and more until the error bars say that the tolerance is reached, or the count would be too large."""
     tolerance, samples, spent = asked.tolerance or 0.0, FIRST_SAMPLES, 0
     for _ in range(ATTEMPTS):
         found = draw(asked.model_copy(update={"samples": samples}))
         spent += found.device_ns
-        excess = np.where(finite, _stated_error(found, wanted), 0.0) / tolerance
+        excess = np.where(finite_variance, _stated_error(found, with_variance), 0.0) / tolerance
         worst = float(np.max(np.nan_to_num(excess, nan=np.inf), initial=0.0))
         if worst <= 1.0 or found.estimator.samples >= MOST_SAMPLES:
             break
@@ -84,11 +71,11 @@ def _sampled_to(draw: Draw, asked: Estimator, finite: NDArray[np.bool_], wanted:
     return replace(found, unreached=excess > 1.0, device_ns=spent)
 
 
-def _stated_error(found: Estimate, wanted: bool) -> NDArray[np.float64]:
+def _stated_error(found: Estimate, with_variance: bool) -> NDArray[np.float64]:
     """The error that an estimate states for itself, relative to the variance or, where that is not asked, the mean."""
     if found.statistics is None:
         return np.zeros(len(found.largest))
     s = found.statistics
-    if wanted:
+    if with_variance:
         return np.asarray(CONFIDENCE * s.variance_stderr / np.maximum(s.variance, LEAST_VARIANCE))
     return np.asarray(CONFIDENCE * s.mean_stderr / np.maximum(np.abs(s.mean), LEAST_VARIANCE))

@@ -33,8 +33,8 @@ ROUNDS = 40
 LEAST_STEPS = 6  # before a growing variance is called infinite
 
 COHERENCE = 4.0
-AVERAGED = 1.0
-DAMPING = 3.0  # with these three, no cell of the catalogue has an error above the one stated; see the tests
+DAMPING = 3.0
+"""With these two no cell of the catalogue has an error above the one stated: tests/service/estimators."""
 
 _RULE = 0.5 * GAUSS_WEIGHTS
 _NORMS = np.sqrt(2.0 * np.arange(SIDE) + 1.0)
@@ -101,7 +101,8 @@ def integrate(
 ) -> Integrals:
     """Integrate the first four powers of (weight - shift) for every cell; `evaluate` gives weights at nodes.
 
-    `first` are panels to begin with that cover the square of every cell, in place of the usual ones.
+    split: whether the technique splits u1. first: panels to begin with, which cover the square of every cell, in place
+    of the usual ones.
     """
     fresh = first_panels(cells, split) if first is None else first
     values = evaluate(fresh)
@@ -178,7 +179,7 @@ def _roughness(values: Array) -> tuple[Array, Array]:
     out = []
     for modes in (coefficients, coefficients.swapaxes(1, 2)):
         # The rest of each row has errors of any sign, which the other rows average.
-        along = np.abs(modes[:, :, 0]) + AVERAGED * np.sqrt(np.sum(modes[:, :, 1:] ** 2, axis=2))
+        along = np.abs(modes[:, :, 0]) + np.sqrt(np.sum(modes[:, :, 1:] ** 2, axis=2))
         high, low = along[:, 5:].sum(axis=1), along[:, 2:5].sum(axis=1)
         out.append(high * np.minimum(1.0, DAMPING * high / np.maximum(low, 1e-300)))
     return out[0], out[1]

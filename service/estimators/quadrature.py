@@ -17,7 +17,7 @@ from service.engine import Engine
 from service.estimators.cubature import Goal, Integrals, Values, integrate
 from service.estimators.estimate import Estimate
 from service.estimators.panels import NODES, POINTS, SIDE, Array, Panels
-from service.moments import Statistics
+from service.moments import Statistics, central_moments
 from service.sampling import CELL, TIMEOUT_S, Cells, IncompleteRun
 from service.scene import Estimator, SeriesPlan
 from service.structure import Structure
@@ -36,8 +36,9 @@ _ALL = Structure()
 
 @dataclass(frozen=True)
 class _Layout:
-    """How the shader's buffers look in a precision: a real number, a panel (the cell's number and its part, then the
-    corner), and a cell.
+    """How the shader's buffers look in a precision.
+
+    A panel is the cell's number and its part, then the corner.
     """
 
     real: np.dtype[Any]
@@ -60,20 +61,20 @@ def quadrature(
     engine: Engine,
     cells: Cells,
     estimator: Estimator,
-    finite: Bools,
-    wanted: bool,
+    finite_variance: Bools,
+    with_variance: bool,
     structure: Structure = _ALL,
 ) -> Estimate:
     """Mean and variance to the tolerance of the estimator, as estimated by the rule itself.
 
-    finite: which cells have a variance, shape (cells,), True where nothing is known. wanted: whether the variance is
-    asked for at all; if not, only the mean has to reach the tolerance.
+    finite_variance: which cells have a variance, shape (cells,), True where nothing is known. with_variance: whether
+    the variance is asked for at all; if not, only the mean has to reach the tolerance.
     """
     begin = time.perf_counter()
     constants = structure.shared_constants(plan.model, [plan.technique])
     pipeline = engine.pipeline(plan.model, plan.technique, "quadrature", constants)
     tolerance = estimator.tolerance or DEFAULT_TOLERANCE
-    goal = Goal(tolerance, LEAST_VARIANCE, finite & wanted, max(MOST_NODES, estimator.samples // 8))
+    goal = Goal(tolerance, LEAST_VARIANCE, finite_variance & with_variance, max(MOST_NODES, estimator.samples // 8))
     with Evaluator(engine.device, pipeline, cells) as evaluate:
         built_ms = 1e3 * (time.perf_counter() - begin)
         found = integrate(len(cells), "u1_split" in plan.technique.declared, goal, evaluate)
@@ -82,7 +83,7 @@ def quadrature(
         estimator=estimator.model_copy(
             update={"method": "quadrature", "samples": int(found.nodes.max()), "tolerance": tolerance}
         ),
-        statistics=_statistics(found, finite & ~found.growing),
+        statistics=_statistics(found, finite_variance & ~found.growing),
         zero_fraction=np.clip(found.zero, 0.0, 1.0),
         largest=found.largest,
         nonfinite=found.nonfinite,
@@ -96,18 +97,17 @@ def quadrature(
     )
 
 
-def _statistics(found: Integrals, finite: Bools) -> Statistics:
-    a, b, c, d = found.powers
-    variance = np.where(finite, np.maximum(b - a * a, 0.0), np.nan)
-    fourth = np.maximum(d - 4 * a * c + 6 * a * a * b - 3 * a**4, 0.0)
+def _statistics(found: Integrals, finite_variance: Bools) -> Statistics:
+    second, fourth = central_moments(found.powers)
+    variance = np.where(finite_variance, second, np.nan)
     with np.errstate(divide="ignore", invalid="ignore"):
         kurtosis = np.where(variance > 0, fourth / variance**2, 1.0)
     return Statistics(
-        mean=found.shift + a,
+        mean=found.shift + found.powers[0],
         mean_stderr=found.mean_error,
         variance=variance,
-        variance_stderr=np.where(finite, found.variance_error, np.nan),
-        kurtosis=np.where(finite, kurtosis, np.nan),
+        variance_stderr=np.where(finite_variance, found.variance_error, np.nan),
+        kurtosis=np.where(finite_variance, kurtosis, np.nan),
     )
 
 

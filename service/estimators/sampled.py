@@ -4,24 +4,20 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from service.engine import Engine
 from service.estimators.estimate import Estimate
-from service.moments import Statistics, from_power_sums
+from service.moments import Statistics, central_moments, from_power_sums
 from service.random_numbers import random_pairs, replicate_key, scrambled_sobol_pairs
 from service.sampling import Cells, CellSums, Journal, Sampler
 from service.scene import Estimator, SeriesPlan
 from service.structure import Structure
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 Advance = Callable[[int], None]
 REPLICATES = 16
@@ -48,43 +44,40 @@ def replicated(cells: Cells, replicates: Sequence[tuple[int, int]]) -> Cells:
     return Cells(np.tile(cells.wo, (times, 1)), np.array(replicates, np.uint32), np.tile(cells.parameters, (times, 1)))
 
 
-def _sums(
-    plan: SeriesPlan,
-    engine: Engine,
-    cells: Cells,
-    structure: Structure,
-    samples: int,
-    advance: Advance,
-    journal: Journal | None,
-    *,
-    sobol: bool,
-) -> tuple[CellSums, float]:
+@dataclass(frozen=True)
+class SeriesRun:
+    """A series to be estimated: its cells, what its shader computes (see `service.left_out`), who hears of progress.
+
+    `advance` is called with the number of samples just drawn; `journal` keeps how far the sampling is.
+    """
+
+    plan: SeriesPlan
+    engine: Engine
+    cells: Cells
+    structure: Structure
+    advance: Advance = lambda done: None
+    journal: Journal | None = None
+
+
+def _sums(run: SeriesRun, samples: int, *, sobol: bool) -> tuple[CellSums, float]:
     """What so many samples of every cell give, and the milliseconds that building the shader took.
 
     The index of a non-finite sample is kept only when there is one: they are then drawn again by a shader that looks.
     """
-    with open_sampler(plan, engine, cells, structure, sobol=sobol) as (sampler, built_ms):
-        sums = sampler.run(samples, advance, journal)
-    if structure.first_bad or not sums.nonfinite.any():
+    with open_sampler(run.plan, run.engine, run.cells, run.structure, sobol=sobol) as (sampler, built_ms):
+        sums = sampler.run(samples, run.advance, run.journal)
+    if run.structure.first_bad or not sums.nonfinite.any():
         return sums, built_ms
-    looking = replace(structure, first_bad=True)
-    again, more_ms = _sums(plan, engine, cells, looking, samples, lambda _: advance(0), journal, sobol=sobol)
+    looking = replace(run, structure=replace(run.structure, first_bad=True), advance=lambda _: run.advance(0))
+    again, more_ms = _sums(looking, samples, sobol=sobol)
     again.device_ns += sums.device_ns
     return again, built_ms + more_ms
 
 
-def monte_carlo(
-    plan: SeriesPlan,
-    engine: Engine,
-    cells: Cells,
-    estimator: Estimator,
-    structure: Structure,
-    advance: Advance = lambda done: None,
-    journal: Journal | None = None,
-) -> Estimate:
+def monte_carlo(run: SeriesRun, estimator: Estimator) -> Estimate:
     """Independent samples; the error bars are theirs."""
-    moments = structure.moments
-    sums, built_ms = _sums(plan, engine, cells, structure, estimator.samples, advance, journal, sobol=False)
+    cells, structure, moments = run.cells, run.structure, run.structure.moments
+    sums, built_ms = _sums(run, estimator.samples, sobol=False)
     bad = [
         (index, random_pairs(_key(cells, at), np.array([index], np.uint64))[0]) if index >= 0 else None
         for at, index in enumerate(sums.first_bad.tolist())
@@ -125,22 +118,13 @@ def nothing_drawn(cells: int, estimator: Estimator) -> Estimate:
     )
 
 
-def quasi_monte_carlo(
-    plan: SeriesPlan,
-    engine: Engine,
-    cells: Cells,
-    angles_deg: Sequence[float],
-    estimator: Estimator,
-    structure: Structure,
-    advance: Advance = lambda done: None,
-    journal: Journal | None = None,
-) -> Estimate:
+def quasi_monte_carlo(run: SeriesRun, angles_deg: Sequence[float], estimator: Estimator) -> Estimate:
     """Replicates of a scrambled sequence, each of a power of two of points; the error bars are their spread."""
+    cells, structure, moments = run.cells, run.structure, run.structure.moments
     points = points_for(estimator.samples)
     keys = [replicate_key(estimator.seed, r, angle) for r in range(REPLICATES) for angle in angles_deg]
     many = replicated(cells, keys)
-    moments = structure.moments
-    sums, built_ms = _sums(plan, engine, many, structure, points, advance, journal, sobol=True)
+    sums, built_ms = _sums(replace(run, cells=many), points, sobol=True)
     by_replicate = (REPLICATES, len(cells))
     first_bad = sums.first_bad.reshape(by_replicate)
     bad: list[tuple[int, NDArray[np.float32]] | None] = []
@@ -203,14 +187,14 @@ def _pooled(sums: CellSums, shape: tuple[int, int], moments: int) -> Statistics:
     """
     replicates = shape[0]
     n = np.maximum(sums.counted, 1).astype(np.float64)
-    a, b, c, d = (row.reshape(shape) for row in sums.powers / n)
+    powers = [row.reshape(shape) for row in sums.powers / n]
+    a, b, c, _ = powers
     means = sums.shift.reshape(shape) + a
     mean = means.mean(axis=0)
     offset = means - mean
-    second = np.maximum(b - a * a, 0.0)
-    squares = second + offset * offset
+    second, fourth = central_moments(powers)
     third = c - 3 * a * b + 2 * a**3
-    fourth = np.maximum(d - 4 * a * c + 6 * a * a * b - 3 * a**4, 0.0)
+    squares = second + offset * offset
     central4 = (fourth + 4 * third * offset + 6 * second * offset**2 + offset**4).mean(axis=0)
     mean_stderr = means.std(axis=0, ddof=1) / math.sqrt(replicates)
     variance = squares.mean(axis=0) + mean_stderr**2

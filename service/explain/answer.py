@@ -88,15 +88,13 @@ def compute_explanation(
         "variant": _averaged([one["variant"] for one in shaders], groups),
         "full": _averaged([one["full"] for one in shaders], groups),
         "shaders": shaders,
-        "run": {
-            "device": info.name,
-            "driver": info.driver_version,
-            "threads": info.threads,
-            "clock": "processor" if info.is_lavapipe else "device",
-            "rounds": rounds,
-            "samples_per_round": LAUNCH_SAMPLES,
-            "elapsed_ms": 1e3 * (time.perf_counter() - begin),
-        },
+        "run": engine.run_block(
+            begin,
+            threads=info.threads,
+            clock="processor" if info.is_lavapipe else "device",
+            rounds=rounds,
+            samples_per_round=LAUNCH_SAMPLES,
+        ),
     }
 
 

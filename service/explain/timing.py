@@ -50,8 +50,10 @@ def spread(values: Array) -> Spread:
 def sample_times(
     device: Device, shaders: Sequence[Shader], rounds: int = ROUNDS, advance: Callable[[int], None] = lambda _: None
 ) -> Array:
-    """ns a sample on one driver thread, shape (rounds, shaders). Every round runs each shader once, in an order that
-    turns from round to round, after each has run once unmeasured. `advance` hears the number of samples drawn.
+    """ns a sample on one driver thread, shape (rounds, shaders).
+
+    Every round runs each shader once, in an order that turns from round to round; before the first, each runs once
+    unmeasured. `advance` is called with the number of samples just drawn.
     """
     found = np.empty((rounds, len(shaders)))
     clock = _clock(device)

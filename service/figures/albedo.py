@@ -10,6 +10,7 @@ import altair as alt
 from service.figures import scales, style
 from service.figures.layout import AnyChart, Sheet
 
+_SIZE = {"width": 1.25 * style.PANEL_WIDTH, "height": 1.25 * style.PANEL_HEIGHT}
 _POINTS = 16  # sampled values of a curve that are drawn
 _KEY = "Lines: float64 reference; points: sampled mean weight"
 _AVERAGE_KEY = ", and its integral over views"
@@ -17,7 +18,7 @@ _HIGHEST = 1.6  # where the axis ends at the latest: some albedos have no limit 
 
 
 def albedo_chart(result: Mapping[str, Any], title: str | None = None) -> AnyChart:
-    """Return a panel for each value of the last swept parameter, with a colour for each of the first.
+    """A panel for each value of the last swept parameter, with a colour for each of the first.
 
     Lines are the float64 reference, points the sampled mean weight. A result with the block `average_albedo` has a
     panel of it as well. Parameters with equal values (mx and my of an isotropic sweep) count as one. Raises ValueError
@@ -40,14 +41,12 @@ def albedo_chart(result: Mapping[str, Any], title: str | None = None) -> AnyChar
     charts = []
     for name in panels:
         data = alt.InlineData(values=[row for row in rows if row["panel"] == name])
-        one = alt.Chart(alt.InlineData(values=[{"one": 1.0}])).mark_rule(color=style.GREY, strokeWidth=0.8)
         line = alt.Chart(data).transform_filter("datum.exact").mark_line(strokeWidth=1.5, clip=True).encode(**look)
         dots = (
             alt.Chart(data).transform_filter("!datum.exact").mark_point(size=18, filled=True, clip=True).encode(**look)
         )
-        layers = alt.layer(one.encode(y="one:Q"), line, dots)
-        size = {"width": 1.25 * style.PANEL_WIDTH, "height": 1.25 * style.PANEL_HEIGHT}
-        charts.append(layers.properties(**size, **({"title": style.part_title(name)} if name else {})))
+        layers = alt.layer(_rule_at_one(), line, dots)
+        charts.append(layers.properties(**_SIZE, **({"title": style.part_title(name)} if name else {})))
     if "average_albedo" in result:
         charts.append(_average(result["average_albedo"]))
     pairs = [alt.hconcat(*charts[k : k + 2]) for k in range(0, len(charts), 2)]
@@ -58,10 +57,8 @@ def albedo_chart(result: Mapping[str, Any], title: str | None = None) -> AnyChar
 
 
 def _average(block: Mapping[str, Any]) -> alt.LayerChart:
-    """Return the panel of the average albedo over the swept parameter: closed form as a line, integrals as points."""
-    layers = [
-        alt.Chart(alt.InlineData(values=[{"one": 1.0}])).mark_rule(color=style.GREY, strokeWidth=0.8).encode(y="one:Q")
-    ]
+    """The panel of the average albedo over the swept parameter: closed form as a line, integrals as points."""
+    layers = [_rule_at_one()]
     for name in ("closed_form", "integrated"):
         part = block[name]
         rows = [{"at": at, "average": y} for at, y in zip(part["value"], part["average"], strict=True)]
@@ -70,9 +67,14 @@ def _average(block: Mapping[str, Any]) -> alt.LayerChart:
         x = alt.X("at:Q", title=block["parameter"], scale=alt.Scale(nice=False))
         y = alt.Y("average:Q", title="average albedo", scale=alt.Scale(domain=[0.0, 1.1], nice=False))
         layers.append(marked.encode(x=x, y=y, color=alt.value(style.GREY)))
-    size = {"width": 1.25 * style.PANEL_WIDTH, "height": 1.25 * style.PANEL_HEIGHT}
-    whole: alt.LayerChart = alt.LayerChart(layer=layers).properties(**size)
+    whole: alt.LayerChart = alt.LayerChart(layer=layers).properties(**_SIZE)
     return whole
+
+
+def _rule_at_one() -> alt.Chart:
+    rule = alt.Chart(alt.InlineData(values=[{"one": 1.0}])).mark_rule(color=style.GREY, strokeWidth=0.8)
+    chart: alt.Chart = rule.encode(y="one:Q")
+    return chart
 
 
 def _rows(sheet: Sheet) -> list[dict[str, Any]]:

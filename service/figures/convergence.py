@@ -19,7 +19,7 @@ _LEAST_ERROR = 1e-7  # float32 rounding; nothing below it says anything
 
 
 def convergence_chart(result: Mapping[str, Any], title: str | None = None) -> AnyChart:
-    """Return the chart of a result of kind "convergence".
+    """The chart of a result of kind "convergence".
 
     First rows: relative RMS error over run time and over samples, a panel an angle, colours are techniques, dotted
     rules the bias that no number of samples removes. Last rows: error of mean and variance over device time, a panel a
@@ -70,7 +70,8 @@ def _technique_lines(series: Sequence[Mapping[str, Any]]) -> Lines:
     labels = list(dict.fromkeys(_name(one, series) for one in series))
     names = [next(one["technique"] for one in series if _name(one, series) == label) for label in labels]
     looks = style.technique_styles(names if len(set(names)) == len(labels) else labels)
-    return Lines("technique", None, labels, [look[0] for look in looks], [look[1] for look in looks])
+    colours, dashes = zip(*looks, strict=True)
+    return Lines("technique", labels, colours, dashes)
 
 
 def _by_angle(series: Sequence[Mapping[str, Any]], target: float, across: str, title: str) -> alt.HConcatChart:
@@ -82,7 +83,7 @@ def _by_angle(series: Sequence[Mapping[str, Any]], target: float, across: str, t
             {"technique": _name(one, series), "x": x, "error": row[at], "number": number}
             for one in series
             for number, (x, row) in enumerate(zip(one[across], one["relative_rmse"], strict=True))
-            if drawable(row[at])
+            if _drawable(row[at])
         ]
         for at in range(len(angles))
     ]
@@ -109,14 +110,14 @@ def _by_technique(series: Sequence[Mapping[str, Any]], column: str, title: str) 
     present = [name for name in ESTIMATORS if any(one["estimator"] == name for one in mine)]
     labels = [ESTIMATORS[name] for name in present]
     colours = [_ESTIMATOR_COLOURS[list(ESTIMATORS).index(name)] for name in present]
-    lines = Lines("estimator", None, labels, colours)
+    lines = Lines("estimator", labels, colours)
     groups: dict[str, list[Row]] = {}
     for one in mine:
         rows = groups.setdefault(_name(one, mine), [])
         for number, (x, errors) in enumerate(zip(one["device_ms"], one[column], strict=True)):
             finite = [error for error in errors if error is not None]
             value = math.sqrt(sum(error**2 for error in finite) / len(finite)) if finite else None
-            if drawable(value):
+            if _drawable(value):
                 rows.append({"estimator": ESTIMATORS[one["estimator"]], "x": x, "error": value, "number": number})
     x, y = _axes([row for rows in groups.values() for row in rows], "device time for one angle (ms)", title, None)
     charts = [
@@ -131,8 +132,8 @@ def _by_technique(series: Sequence[Mapping[str, Any]], column: str, title: str) 
     return alt.hconcat(*charts)
 
 
-def drawable(error: float | None) -> bool:
-    """Return whether an error can stand on a logarithmic axis and says something."""
+def _drawable(error: float | None) -> bool:
+    """Whether an error can stand on a logarithmic axis and says something."""
     return error is not None and error > _LEAST_ERROR
 
 

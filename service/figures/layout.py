@@ -30,7 +30,7 @@ class Sheet:
 
     result: Mapping[str, Any]
     series: Sequence[Series]
-    swept: Mapping[str, str]
+    swept: Sequence[str]
 
     @classmethod
     def of(cls, result: Mapping[str, Any]) -> Sheet:
@@ -42,7 +42,7 @@ class Sheet:
         return sheet
 
     def has(self, statistic: str) -> bool:
-        """Return whether any series has `statistic`."""
+        """Whether any series has `statistic`."""
         return any(one.values(statistic) is not None for one in self.series)
 
     @property
@@ -56,11 +56,11 @@ class Sheet:
         return list(dict.fromkeys(one.technique for one in self.series))
 
     def values_label(self, one: Series) -> str:
-        """Return the values of what is swept: `roughness 0.25`; empty where nothing is."""
-        return ", ".join(f"{shown} {swept_value(one, name)}" for name, shown in self.swept.items())
+        """The values of what is swept: `roughness 0.25`; empty where nothing is."""
+        return ", ".join(f"{name} {swept_value(one, name)}" for name in self.swept)
 
     def technique_label(self, technique: str) -> str:
-        """Return the technique's name in the legend, which says where sampled values have no limit."""
+        """The technique's name in the legend, which says where sampled values have no limit."""
         mine = [one for one in self.series if one.technique == technique]
         found = [
             words
@@ -73,11 +73,11 @@ class Sheet:
         return f"{technique} ({found[0]}: sampled value)"
 
     def unit_line(self, statistic: str) -> bool:
-        """Return whether 1 is the expected value: the mean weight of models that keep all energy."""
+        """Whether 1 is the expected value: the mean weight of models that keep all energy."""
         return statistic == "mean" and all(one.parameters.get("albedo", 1.0) == 1.0 for one in self.series)
 
     def heading(self, title: str | None) -> alt.TitleParams:
-        """Return title and subtitle: the model, the count of samples, the seed, the device, what is drawn how."""
+        """Title and subtitle: the model, the count of samples, the seed, the device, what is drawn how."""
         first = self.series[0]
         fixed = [f"{name} {value:.6g}" for name, value in first.parameters.items() if name not in self.swept]
         return alt.TitleParams(
@@ -122,7 +122,7 @@ class Sheet:
 def panels(
     sheet: Sheet, statistic: str, groups: Sequence[Sequence[Series]], lines: Lines, labels: Mapping[str, str]
 ) -> tuple[list[alt.LayerChart], Datasets]:
-    """Return a panel of `statistic` for each group of series, and the data sets they draw; all have the same range.
+    """A panel of `statistic` for each group of series, and the data sets they draw; all have the same range.
 
     The data sets go to the whole chart at the end (`with_data`): Altair copies what a part holds whenever parts are
     put together.
@@ -158,19 +158,20 @@ def _labels(sheet: Sheet, one: Series, labels: Mapping[str, str]) -> dict[str, A
 
 
 def technique_lines(sheet: Sheet, labels: Mapping[str, str]) -> Lines:
-    """Return the lines of a chart whose colours are techniques."""
+    """The lines of a chart whose colours are techniques."""
     styles = style.technique_styles(list(labels))
-    return Lines("technique", None, list(labels.values()), [s[0] for s in styles], [s[1] for s in styles], sheet.count)
+    colours, dashes = zip(*styles, strict=True)
+    return Lines("technique", list(labels.values()), colours, dashes, panels=sheet.count)
 
 
 def value_lines(sheet: Sheet) -> Lines:
-    """Return the lines of a chart whose colours are the values of what is swept, dark to light."""
+    """The lines of a chart whose colours are the values of what is swept, dark to light."""
     labels = list(dict.fromkeys(sheet.values_label(one) for one in sheet.series))
-    return Lines("parameters", None, labels, style.sequence(len(labels)), panels=max(2, sheet.count))
+    return Lines("parameters", labels, style.sequence(len(labels)), panels=max(2, sheet.count))
 
 
 def with_data(chart: AnyChart, datasets: Datasets) -> AnyChart:
-    """Return `chart`, which now holds `datasets`.
+    """`chart`, which now holds `datasets`.
 
     They are set past Altair's check of every row against its schema, which takes seconds for thousands of angles.
     """

@@ -24,25 +24,24 @@ class Lines:
     """
 
     field: str
-    title: str | None
     labels: Sequence[str]
     colours: Sequence[str]
     dashes: Sequence[style.Dash] | None = None
     panels: int = 3
 
     def colour(self) -> alt.Color:
-        """Return the encoding of colour, with the chart's one legend."""
+        """The encoding of colour, with the chart's one legend."""
         scale = alt.Scale(domain=list(self.labels), range=list(self.colours))
         # A long name takes the width of a panel, a short one a third of it.
         columns = min(len(self.labels), self.panels * (1 if max(map(len, self.labels)) > 16 else 3))
-        return alt.Color(f"{self.field}:N", scale=scale, legend=alt.Legend(title=self.title, columns=columns))
+        return alt.Color(f"{self.field}:N", scale=scale, legend=alt.Legend(title=None, columns=columns))
 
     def dash(self) -> dict[str, Any]:
-        """Return the encoding of dashes, merged into the same legend; empty where all lines are solid."""
+        """The encoding of dashes, merged into the same legend; empty where all lines are solid."""
         if self.dashes is None:
             return {}
         scale = alt.Scale(domain=list(self.labels), range=[list(dash) for dash in self.dashes])
-        return {"strokeDash": alt.StrokeDash(f"{self.field}:N", scale=scale, legend=alt.Legend(title=self.title))}
+        return {"strokeDash": alt.StrokeDash(f"{self.field}:N", scale=scale, legend=alt.Legend(title=None))}
 
 
 def panel(
@@ -55,11 +54,11 @@ def panel(
     angles: Sequence[float],
     unit_line: bool,
 ) -> alt.LayerChart:
-    """Return the chart of `rows` (see `points.sampled`), which are the data set `name` of the whole chart, with
-    `truth` (the data set `name` + REFERENCE) as thin lines and a rule at 1 where asked.
+    """The chart of `rows` (see `points.sampled`), with `truth` as thin lines and a rule at 1 where asked.
 
-    `shown` are the values that the axis must cover, so that panels of one statistic can share their range; `angles`
-    likewise for the other axis.
+    In the whole chart `rows` are the data set `name`, `truth` the data set `name` + REFERENCE. `shown` are the values
+    that the axis must cover, so that panels of one statistic can share their range; `angles` likewise for the other
+    axis.
     """
     log = LOG[statistic]
     if log:
@@ -84,7 +83,7 @@ def panel(
 
 
 def _techniques_axis(lines: Lines, angle: float) -> alt.X:
-    """Return the axis of a panel of one view angle: there is no curve to draw, so the series stand side by side."""
+    """The axis of a panel of one view angle: there is no curve to draw, so the series stand side by side."""
     axis = alt.Axis(labelAngle=-35, labelLimit=110, grid=False)
     return alt.X(f"{lines.field}:N", sort=list(lines.labels), axis=axis, title=f"at {scales.THETA_O} = {angle:.6g}°")
 
@@ -100,7 +99,7 @@ def _unit() -> alt.Chart:
 
 
 def _band(data: alt.NamedData, x: alt.X, y: alt.Y, lines: Lines, floor: float) -> list[alt.Chart]:
-    """Return the error bars; one that a logarithmic axis cannot show to its end stops at the axis' edge."""
+    """The error bars; one that a logarithmic axis cannot show to its end stops at the axis' edge."""
     chart = alt.Chart(data).transform_calculate(low=f"max(datum.value - 2 * datum.stderr, {floor!r})")
     chart = chart.transform_calculate(high="datum.value + 2 * datum.stderr")
     low = alt.Y("low:Q", scale=y["scale"], axis=y["axis"], title=y["title"])
@@ -111,7 +110,7 @@ def _band(data: alt.NamedData, x: alt.X, y: alt.Y, lines: Lines, floor: float) -
 
 
 def _curves(data: alt.NamedData, rows: Sequence[Row], x: alt.X, y: alt.Y, lines: Lines) -> list[alt.Chart]:
-    """Return firm lines where there is a limit, faint ones with open markers where there is none."""
+    """Firm lines where there is a limit, faint ones with open markers where there is none."""
     look: dict[str, Any] = {"x": x, "y": y, "color": lines.colour(), "tooltip": _tooltip(rows)}
     out = []
     for kept, opacity, width in (("datum.limit", 1.0, 1.8), ("!datum.limit", 0.45, 1.2)):
@@ -123,7 +122,7 @@ def _curves(data: alt.NamedData, rows: Sequence[Row], x: alt.X, y: alt.Y, lines:
 
 
 def _truth(name: str, rows: Sequence[Row], x: alt.X, y: alt.Y, lines: Lines | None, one_angle: bool) -> list[alt.Chart]:
-    """Return the reference as thin lines: in `lines`' colours where it lies apart from the curves, else in grey."""
+    """The reference as thin lines: in `lines`' colours where it lies apart from the curves, else in grey."""
     if not rows:
         return []
     chart = alt.Chart(alt.NamedData(name + REFERENCE))

@@ -18,7 +18,7 @@ _MARKERS = 22
 
 
 def sampled(one: Series, statistic: str, labels: Mapping[str, Any], log: bool) -> list[Row]:
-    """Return a row for each angle at which `statistic` can be drawn.
+    """A row for each angle at which `statistic` can be drawn.
 
     `value` with its `stderr` where that means something; `limit` is false where the sampled value has no limit;
     `run` counts unbroken stretches, each drawn as one line; `marker` says which rows get a point: those that have no
@@ -49,7 +49,7 @@ def sampled(one: Series, statistic: str, labels: Mapping[str, Any], log: bool) -
 
 
 def truth(one: Series, statistic: str, labels: Mapping[str, Any], log: bool) -> list[Row]:
-    """Return a row for each angle at which the reference of `statistic` can be drawn."""
+    """A row for each angle at which the reference of `statistic` can be drawn."""
     rows: list[Row] = []
     run = 0
     for angle, value in zip(one.theta_o_deg, one.reference(statistic) or [], strict=False):
@@ -61,7 +61,7 @@ def truth(one: Series, statistic: str, labels: Mapping[str, Any], log: bool) -> 
 
 
 def drawable(value: float | None, log: bool) -> bool:
-    """Return whether an axis can show `value`; a logarithmic one shows no zero."""
+    """Whether an axis can show `value`; a logarithmic one shows no zero."""
     return value is not None and math.isfinite(value) and (not log or value > LEAST_POSITIVE)
 
 

@@ -12,7 +12,7 @@ from service.figures.layout import AnyChart, Datasets, Sheet, panels, value_line
 
 
 def roughness_chart(result: Mapping[str, Any], title: str | None = None) -> AnyChart:
-    """Return a chart with a column for each technique and a row for variance and largest weight.
+    """A chart with a column for each technique and a row for variance and largest weight.
 
     Colour is the value of what is swept (roughness, in the paper), dark to light; panels of a row have one range.
     Raises ValueError where the result has neither statistic.

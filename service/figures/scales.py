@@ -16,7 +16,7 @@ _STEPS = (1, 2, 5)
 
 
 def log_scale(values: Sequence[float]) -> tuple[alt.Scale, alt.Axis]:
-    """Return scale and axis of a logarithmic panel that shows all `values` (positive)."""
+    """Scale and axis of a logarithmic panel that shows all `values` (positive)."""
     low, high = (min(values), max(values)) if values else (0.1, 10.0)
     domain = [_below(low), _above(high)]
     if domain[0] == domain[1]:
@@ -35,7 +35,7 @@ _POWER_LABEL = "datum.value >= 1e5 || datum.value < 1e-3 ? format(datum.value, '
 
 
 def linear_scale(values: Sequence[float], least_span: float = _LEAST_SPAN) -> alt.Scale:
-    """Return the scale of a linear panel that shows all `values` with some room around them."""
+    """The scale of a linear panel that shows all `values` with some room around them."""
     low, high = (min(values), max(values)) if values else (0.0, 1.0)
     span = max(high - low, least_span)
     middle = (low + high) / 2
@@ -43,7 +43,7 @@ def linear_scale(values: Sequence[float], least_span: float = _LEAST_SPAN) -> al
 
 
 def angle_axis(angles: Sequence[float]) -> dict[str, Any]:
-    """Return scale, axis and title of the view angle in degrees."""
+    """Scale, axis and title of the view angle in degrees."""
     low, high = (min(angles), max(angles)) if angles else (0.0, 90.0)
     if high - low > 45:
         scale, axis = alt.Scale(domain=[0, 90], nice=False), alt.Axis(values=list(range(0, 91, 15)))

@@ -12,7 +12,7 @@ from service.figures.layout import AnyChart
 
 
 def slices_chart(result: Mapping[str, Any], title: str | None = None) -> AnyChart:
-    """Return a panel for each view angle of a result of kind "slices", with a line for each model."""
+    """A panel for each view angle of a result of kind "slices", with a line for each model."""
     models = list(dict.fromkeys(one["model"] for one in result["series"]))
     styles = style.technique_styles(models)
     legend = alt.Legend(title=None, columns=5)

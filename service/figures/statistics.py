@@ -15,7 +15,7 @@ _MOST_ROWS_BY_VALUE = 4
 
 
 def statistics_chart(result: Mapping[str, Any], title: str | None = None) -> AnyChart:
-    """Return the chart of a result of kind "statistics"; a statistic that was not asked for has no panel.
+    """The chart of a result of kind "statistics"; a statistic that was not asked for has no panel.
 
     Where parameters are swept, each set of values has its own row of panels, all of one range; beyond four sets the
     rows are techniques and the colours are values. Raises ValueError where there is nothing to draw.

@@ -33,7 +33,7 @@ PANEL_WIDTH, PANEL_HEIGHT = 270, 230
 
 
 def technique_styles(techniques: Sequence[str]) -> list[Style]:
-    """Return colour and dash of each technique; one without a style of its own gets the next free colour."""
+    """Colour and dash of each technique; one without a style of its own gets the next free colour."""
     unknown = [name for name in techniques if name not in _STYLES]
     others = {
         name: (_OTHER_COLOURS[index % len(_OTHER_COLOURS)], _OTHER_DASHES[index // len(_OTHER_COLOURS) % 3])
@@ -43,7 +43,7 @@ def technique_styles(techniques: Sequence[str]) -> list[Style]:
 
 
 def config() -> dict[str, Any]:
-    """Return the Vega-Lite config of every chart."""
+    """The Vega-Lite config of every chart."""
     ink, faint = "#222222", "#E4E4E4"
     return {
         # The first family is the one that vl-convert carries, the others are its like in browsers.
@@ -99,7 +99,7 @@ def config() -> dict[str, Any]:
 
 
 def part_title(text: str) -> dict[str, Any]:
-    """Return the title of a row or a column of panels."""
+    """The title of a row or a column of panels."""
     return {"text": text, "anchor": "start", "fontSize": 12.5, "fontWeight": 600, "offset": 8}
 
 
@@ -114,7 +114,7 @@ _VIRIDIS = (
 
 
 def sequence(count: int) -> list[str]:
-    """Return `count` colours from dark to light, evenly spaced, for values that have an order."""
+    """`count` colours from dark to light, evenly spaced, for values that have an order."""
     return [_viridis(index / max(count - 1, 1)) for index in range(count)]
 
 

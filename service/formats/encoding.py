@@ -52,7 +52,7 @@ FORMATS: Mapping[str, Format] = MappingProxyType({entry.name: entry for entry in
 
 
 def format_of(path: str | os.PathLike[str]) -> str:
-    """Return the name of the format that the file name of `path` ends in; the longest suffix wins.
+    """The name of the format that the file name of `path` ends in; the longest suffix wins.
 
     Raises UnknownFormat where no format has that suffix.
     """
@@ -67,7 +67,7 @@ def format_of(path: str | os.PathLike[str]) -> str:
 
 
 def encode(result: Result, format: str, chart: Draw | None = None) -> bytes:  # noqa: A002 (the word of the CLI and the API)
-    """Return `result` in `format`, one of FORMATS.
+    """`result` as bytes in `format`, one of FORMATS.
 
     `chart` draws the picture for vega, png and svg; without it the chart of the result's kind is drawn.
     Raises UnknownFormat where the format does not exist or the result's kind does not have it, and ValueError where

@@ -12,7 +12,7 @@ _EXACT = Context(prec=800, rounding=ROUND_HALF_EVEN)
 
 
 def uncertain(value: float, stderr: float | None) -> str:
-    """Return `value` with its standard error in units of its last digit; without an error bar, `plain(value)`.
+    """`value` with its standard error in units of its last digit; without an error bar, `plain(value)`.
 
     The error has two digits where they begin with 10 to 35, one otherwise, and 95 to 99 round up to 100: the rule of
     the Particle Data Group ("Review of Particle Physics", introduction, rounding).
@@ -30,7 +30,7 @@ def uncertain(value: float, stderr: float | None) -> str:
 
 
 def plain(value: float, digits: int = 4) -> str:
-    """Return `value` to `digits` significant digits, without trailing zeros after the point."""
+    """`value` to `digits` significant digits, without trailing zeros after the point."""
     if not value:
         return "0"
     with localcontext(_EXACT):
@@ -43,7 +43,7 @@ def plain(value: float, digits: int = 4) -> str:
 
 
 def _error_place(error: Decimal) -> int:
-    """Return the power of ten of the last digit that the error is written to."""
+    """The power of ten of the last digit that the error is written to."""
     place = error.adjusted()
     head = int(_round(error, place - 2).scaleb(2 - place))
     return place - 1 if head < 355 else place

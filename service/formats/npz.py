@@ -14,7 +14,7 @@ _UNIX = 3
 
 
 def encode(arrays: Mapping[str, np.ndarray]) -> bytes:
-    """Return `arrays` as a compressed .npz; raises ValueError for an array of Python objects.
+    """`arrays` as a compressed .npz; raises ValueError for an array of Python objects.
 
     NumPy's own writer is not used: it puts the time of writing into every entry.
     """

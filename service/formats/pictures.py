@@ -14,7 +14,7 @@ PNG_SCALE = 2
 
 
 def encode(chart: AnyChart, format: str) -> bytes:  # noqa: A002 (the word of the CLI and the API)
-    """Return `chart` as `vega`, `png` (two pixels a point) or `svg`; raises ValueError for a datum not finite."""
+    """`chart` as `vega`, `png` (two pixels a point) or `svg`; raises ValueError for a datum not finite."""
     spec = _specification(chart)
     if format == "vega":
         return strict_json.encode(spec)
@@ -29,7 +29,7 @@ def encode(chart: AnyChart, format: str) -> bytes:  # noqa: A002 (the word of th
 
 
 def _specification(chart: AnyChart) -> dict[str, Any]:
-    """Return the Vega-Lite specification of `chart`.
+    """The Vega-Lite specification of `chart`.
 
     Its data sets, plain rows already, are carried over as they are: Altair looks at every value of every row, which
     takes seconds for thousands of angles. The tests validate whole specifications against the schema.

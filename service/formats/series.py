@@ -77,11 +77,11 @@ class Series:
         return list(self.verdict.get("findings") or [])
 
     def values(self, name: str) -> Column | None:
-        """Return the column `name`, one value an angle (one value for all is repeated); None where it is absent."""
+        """The column `name`, one value an angle (one value for all is repeated); None where it is absent."""
         return self._column(self.raw.get(name))
 
     def reference(self, name: str) -> Column | None:
-        """Return the column `name` of the reference; None where it is absent."""
+        """The column `name` of the reference; None where it is absent."""
         return self._column((self.raw.get("reference") or {}).get(name))
 
     def _column(self, value: Any) -> Column | None:
@@ -92,7 +92,7 @@ class Series:
         return [value] * len(self.raw["theta_o_deg"])
 
     def finding(self, name: str) -> Mapping[str, Any] | None:
-        """Return the finding `name`, or None where the verdict has none; a bare status counts as one."""
+        """The finding `name`, or None where the verdict has none; a bare status counts as one."""
         for finding in self.findings:
             if finding.get("name") == name:
                 return finding
@@ -106,7 +106,7 @@ class Series:
         return column if column is not None and len(column) == len(self.theta_o_deg) else None
 
     def _held(self, name: str) -> list[bool] | None:
-        """Return at which angles the finding `name` holds by its own evidence; None where that does not list them."""
+        """At which angles the finding `name` holds by its own evidence; None where that does not list them."""
         held = ((self.finding(name) or {}).get("evidence") or {}).get("theta_o_deg")
         return [angle in held for angle in self.theta_o_deg] if isinstance(held, list | tuple) else None
 
@@ -148,23 +148,23 @@ class Series:
         return self._held("unbounded-weight") or [True] * len(infinite)
 
     def no_limit(self, statistic: str) -> list[bool]:
-        """Return at which angles the sampled `statistic` has no limit, however many samples are drawn."""
+        """At which angles the sampled `statistic` has no limit, however many samples are drawn."""
         cells = {"variance": self.infinite_variance, "max_weight": self.unbounded_weight}
         return cells.get(statistic, [False] * len(self.theta_o_deg))
 
 
 def read(result: Mapping[str, Any]) -> list[Series]:
-    """Return the series of a statistics result."""
+    """The series of a statistics result."""
     return [Series(raw) for raw in result.get("series") or []]
 
 
 def parameter_names(series: Sequence[Series]) -> list[str]:
-    """Return the names of all parameters, in the order they first appear."""
+    """The names of all parameters, in the order they first appear."""
     return list(dict.fromkeys(name for one in series for name in one.parameters))
 
 
-def swept(series: Sequence[Series]) -> dict[str, str]:
-    """Return what distinguishes series of one technique: model, parameter or `phi_o_deg` -> its name in print."""
+def swept(series: Sequence[Series]) -> list[str]:
+    """What distinguishes series of one technique: `model`, names of parameters, `phi_o_deg`."""
     groups: dict[tuple[str, str], list[Series]] = {}
     for one in series:
         groups.setdefault((one.model, one.technique), []).append(one)
@@ -173,12 +173,11 @@ def swept(series: Sequence[Series]) -> dict[str, str]:
         return any(len({swept_value(one, name) for one in group}) > 1 for group in groups.values())
 
     names = ["model"] if len({one.model for one in series}) > 1 else []
-    names += [name for name in (*parameter_names(series), "phi_o_deg") if varies(name)]
-    return {name: name for name in names}
+    return names + [name for name in (*parameter_names(series), "phi_o_deg") if varies(name)]
 
 
 def swept_value(one: Series, name: str) -> str:
-    """Return the value of a swept parameter as it is printed; `-` where the series does not have it."""
+    """The value of a swept parameter as it is printed; `-` where the series does not have it."""
     value = one.raw.get(name) if name in ("model", "phi_o_deg") else one.parameters.get(name)
     if isinstance(value, Sequence) and not isinstance(value, str):
         value = value[0] if value else None

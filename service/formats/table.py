@@ -22,14 +22,14 @@ Grid = list[list[str]]
 
 
 def statistics_table(result: Mapping[str, Any], width: int = WIDTH) -> str:
-    """Return the text of a result of kind "statistics", at most `width` columns wide, without colour.
+    """The text of a result of kind "statistics", at most `width` columns wide, without colour.
 
     Rows are view angles in degrees, columns are series. Values carry their standard error in units of the last digit.
     """
     series = read(result)
     names = swept(series)
     panels = [
-        (title, [_column(one, statistic, list(names)) for one in series])
+        (title, [_column(one, statistic, names) for one in series])
         for statistic, title in _PANELS
         if any(one.values(statistic) is not None for one in series)
     ]
@@ -40,17 +40,17 @@ def statistics_table(result: Mapping[str, Any], width: int = WIDTH) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def _question(series: Sequence[Series], names: Mapping[str, str]) -> str:
+def _question(series: Sequence[Series], names: Sequence[str]) -> str:
     fixed = [f"{name} {value:.6g}" for name, value in series[0].parameters.items() if name not in names]
     return ", ".join([series[0].model, *fixed])
 
 
-def _head_column(series: Sequence[Series], names: Mapping[str, str]) -> list[str]:
-    return ["theta_o_deg", *names.values(), *(angle_texts(series[0].theta_o_deg) if series else [])]
+def _head_column(series: Sequence[Series], names: Sequence[str]) -> list[str]:
+    return ["theta_o_deg", *names, *(angle_texts(series[0].theta_o_deg) if series else [])]
 
 
 def angle_texts(angles: Sequence[float]) -> list[str]:
-    """Return angles in degrees with as few decimals as keep them apart, near their value and below 90."""
+    """Angles in degrees with as few decimals as keep them apart, near their value and below 90."""
     for decimals in range(7):
         texts = [f"{angle:.{decimals}f}" for angle in angles]
         near = all(abs(float(text) - angle) < 0.005 for text, angle in zip(texts, angles, strict=True))
@@ -68,7 +68,7 @@ def _column(one: Series, statistic: str, names: Sequence[str]) -> list[str]:
 
 
 def cells(one: Series, statistic: str) -> list[str]:
-    """Return the cell of each angle: `-` for a null, `inf [x]` for a sampled variance x that has no limit.
+    """The cell of each angle: `-` for a null, `inf [x]` for a sampled variance x that has no limit.
 
     A max weight stands before its supremum, `12.3 / 57.3`, where the reference has one.
     """
@@ -94,7 +94,7 @@ def cells(one: Series, statistic: str) -> list[str]:
 
 
 def _aligned(texts: Sequence[str]) -> list[str]:
-    """Return the texts, all of one width, with their decimal points below one another."""
+    """The texts, all of one width, with their decimal points below one another."""
     whole = [len(re.split(r"[.(e ]", text)[0]) for text in texts]
     widest = max(whole, default=0)
     shifted = [" " * (widest - size) + text for text, size in zip(texts, whole, strict=True)]
@@ -109,7 +109,7 @@ def _cell(value: float | None, error: float | None, endless: bool) -> str:
 
 
 def _tables(panels: Sequence[tuple[str, list[list[str]]]], head: list[str], width: int) -> list[str]:
-    """Return the panels as blocks of text: beside one another where they fit, else below, split where too wide."""
+    """The panels as blocks of text: beside one another where they fit, else below, split where too wide."""
     blocks = [_block(title, columns, head) for title, columns in panels]
     if blocks and all(len(columns) <= MOST_COLUMNS for _, columns in panels):
         rows = [_BETWEEN.join(cells) for cells in zip(*blocks, strict=True)]
@@ -139,7 +139,7 @@ def _groups(columns: list[list[str]], head: list[str], width: int) -> list[list[
 
 
 def _block(title: str, columns: list[list[str]], head: list[str]) -> list[str]:
-    """Return the lines of one panel, all of one width."""
+    """The lines of one panel, all of one width."""
     whole = [head, *columns]
     sizes = [max(map(len, column)) for column in whole]
     lines = [

@@ -12,13 +12,13 @@ from service.formats.series import Series, swept_value
 _INDENT = "    "
 
 
-def name_of(one: Series, names: Mapping[str, str]) -> str:
-    """Return the technique with the values of what is swept: `cosine roughness=0.25`."""
-    return " ".join([one.technique, *(f"{shown}={swept_value(one, name)}" for name, shown in names.items())])
+def name_of(one: Series, names: Sequence[str]) -> str:
+    """The technique with the values of what is swept: `cosine roughness=0.25`."""
+    return " ".join([one.technique, *(f"{name}={swept_value(one, name)}" for name in names)])
 
 
-def legend(series: Sequence[Series], names: Mapping[str, str], width: int) -> str:
-    """Return what the signs in the tables mean, for those that occur."""
+def legend(series: Sequence[Series], names: Sequence[str], width: int) -> str:
+    """What the signs in the tables mean, for those that occur."""
     lines = []
     if any(one.values(name) for one in series for name in ("mean_stderr", "variance_stderr")):
         lines.append("0.9923(4): 0.9923 with a standard error of 0.0004.")
@@ -34,7 +34,7 @@ def legend(series: Sequence[Series], names: Mapping[str, str], width: int) -> st
     return "\n".join(row for line in lines for row in textwrap.wrap(line, width, subsequent_indent=_INDENT))
 
 
-def _tail(one: Series, names: Mapping[str, str]) -> str:
+def _tail(one: Series, names: Sequence[str]) -> str:
     known = [
         (strength, angle) for strength, angle in zip(one.tail_strength or [], one.theta_o_deg, strict=False) if strength
     ]
@@ -44,8 +44,8 @@ def _tail(one: Series, names: Mapping[str, str]) -> str:
     return f"{_INDENT}{name_of(one, names)}: tail strength up to {plain(strength, 3)}, at {angle:.6g} deg."
 
 
-def summary(series: Sequence[Series], names: Mapping[str, str], width: int) -> str:
-    """Return a line for each series (samples, time, speed, verdict), the messages of its findings below it."""
+def summary(series: Sequence[Series], names: Sequence[str], width: int) -> str:
+    """A line for each series (samples, time, speed, verdict), the messages of its findings below it."""
     head = ["series", "samples per angle", "nonfinite", "device ms", "Msamples/s", "verdict"]
     rows = [head, *(_summary_row(one, names) for one in series)]
     if any(one.method != "mc" for one in series):
@@ -63,7 +63,7 @@ def summary(series: Sequence[Series], names: Mapping[str, str], width: int) -> s
     return "\n".join(lines) if series else ""
 
 
-def _summary_row(one: Series, names: Mapping[str, str]) -> list[str]:
+def _summary_row(one: Series, names: Sequence[str]) -> list[str]:
     samples = [value for value in one.values("samples") or [] if value is not None]
     nonfinite = one.values("nonfinite")
     elapsed = one.raw.get("device_ms")
@@ -87,7 +87,7 @@ def _span(samples: Sequence[int]) -> str:
 
 
 def run_lines(result: Mapping[str, Any], width: int) -> str:
-    """Return the device, the times and what the shader leaves out."""
+    """The device, the times and what the shader leaves out."""
     run = result.get("run") or {}
     times = (("elapsed", "elapsed_ms"), ("device", "device_ms"), ("compile", "compile_ms"))
     lines = [

@@ -10,7 +10,7 @@ from typing import Any
 
 
 def encode(table: tuple[list[str], Iterable[list[Any]]]) -> bytes:
-    """Return (columns, rows) as CSV in UTF-8 with one header line; raises ValueError for a number not finite."""
+    """(columns, rows) as CSV in UTF-8 with one header line; raises ValueError for a number not finite."""
     columns, rows = table
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")

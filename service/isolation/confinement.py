@@ -59,8 +59,9 @@ def limit(memory_bytes: int) -> None:
 
 
 def become_unprivileged() -> None:
-    """Where this process is root, become the user nobody; it ends with its parent, and gains no rights by a program
-    that it starts. Raises CannotConfine.
+    """Become the user nobody where this process is root, end with its parent, and gain no rights by programs it starts.
+
+    Raises CannotConfine.
     """
     if os.geteuid() == 0:
         try:

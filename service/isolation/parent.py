@@ -14,10 +14,13 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lavapipe import DeviceNotFound
 from service.errors import SamplerscopeError
+
+if TYPE_CHECKING:
+    from service.statistics import Progress
 
 SILENCE_S = 45.0
 """A worker that says nothing for so long is ended."""
@@ -25,8 +28,6 @@ SILENCE_S = 45.0
 MEMORY_BYTES = 3 << 30
 RESULT_BYTES = 1 << 30
 PAUSE_S = 0.25
-
-Progress = Callable[[str, int, int], None]
 
 
 class OwnFileFailed(SamplerscopeError):
@@ -44,8 +45,9 @@ class OwnFileFailed(SamplerscopeError):
 
 @dataclass(frozen=True)
 class Bounds:
-    """How long a worker may be silent, and how long it may take in all. With `strict` it refuses to run where it cannot
-    be confined: files and network closed to it, and root given up.
+    """How long a worker may be silent, and how long it may take in all.
+
+    With `strict` it refuses to run where it cannot be confined: files and network closed to it, and root given up.
     """
 
     silence_s: float = SILENCE_S

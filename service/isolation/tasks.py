@@ -22,10 +22,9 @@ from service.explain import compute_explanation, parse_explain_scene
 from service.reference_store import load_references
 from service.scene import Question, Scene, parse_scene, resolve
 from service.stability import compute_stability
-from service.statistics import compute_statistics
+from service.statistics import Progress, compute_statistics
 
 Arguments = Mapping[str, Any]
-Progress = Callable[[str, int, int], None]
 Parse = Callable[[Mapping[str, Any]], Scene]
 Pairs = Sequence[tuple[Entry, Entry]]
 Seal = Callable[[Engine, Pairs], None]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+from contextlib import AbstractContextManager, nullcontext, suppress
 from importlib import import_module
 from typing import Any
 
@@ -32,24 +33,22 @@ def main() -> None:
     from service.isolation import confinement, tasks
     from service.variant import job_texts
 
+    def as_strict_as_asked() -> AbstractContextManager[None]:
+        """Within it a worker that need not be strict goes on where the system cannot confine it."""
+        return nullcontext() if job["strict"] else suppress(confinement.CannotConfine)
+
     def seal(engine: Engine, pairs: tasks.Pairs) -> None:
         """Compile all that the task may need, which takes a program, and give up everything but computing."""
         engine.compile_all(pairs, truth=job["task"] in tasks.WITH_TRUTH)
-        try:
+        with as_strict_as_asked():
             confinement.allow_computing_only()
-        except confinement.CannotConfine:
-            if job["strict"]:
-                raise
 
     try:
         load_catalogue()
         job_texts()
         confinement.limit(job["memory_bytes"])
-        try:
+        with as_strict_as_asked():
             confinement.become_unprivileged()
-        except confinement.CannotConfine:
-            if job["strict"]:
-                raise
         say(result=tasks.TASKS[job["task"]](job["arguments"], lambda *what: say(progress=what), seal))
     except (SamplerscopeError, LavapipeError, OSError) as error:
         say(

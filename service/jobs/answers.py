@@ -93,10 +93,20 @@ class Answers:
         if found is None:
             self._on_disk.discard(key)
         else:
-            self.remember(key, found)
+            self._remember(key, found)
         return found
 
-    def remember(self, key: str, stored: Stored) -> None:
+    async def settle(self, key: str, content: bytes) -> Stored:
+        """What is the answer of this key from now on: what came first, where a job and a direct answer were at the same
+        question. To be stored at once, or soon.
+        """
+        stored = await self.find(key)
+        if stored is None:
+            stored = Stored.of(content)
+            self._remember(key, stored)
+        return stored
+
+    def _remember(self, key: str, stored: Stored) -> None:
         """Hold an answer in memory, as long as there is room. It is stored, or about to be."""
         self._on_disk.add(key)
         if key not in self._memory:
@@ -188,8 +198,7 @@ class Answers:
         finally:
             if not task.future.done() or task.future.cancelled():
                 lane.cancel(task)
-        stored = Stored.of(message.blobs[0])
-        self.remember(key, stored)
+        stored = await self.settle(key, message.blobs[0])
         self._store_soon(key, stored)
         queue_ms = 1e3 * ((task.begun or task.created) - task.created)
         return Answered(stored, {"queue": queue_ms, **message.head["timings"]})

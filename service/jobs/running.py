@@ -13,7 +13,7 @@ from typing import Any
 from service.jobs.answers import Answers
 from service.jobs.asked import Asked
 from service.jobs.estimates import Estimate
-from service.jobs.store import Job, Stored
+from service.jobs.store import Job
 from service.worker.kinds import KINDS
 from service.worker.lane import Cancelled, Lane, Task
 from service.worker.protocol import Message
@@ -76,9 +76,8 @@ class Jobs:
     async def submit(self, asked: Asked, estimate: Estimate) -> Job:
         """Start a job, or return the one that is at the same question already. Raises QueueFull and NoDevice."""
         stored = await self._answers.find(asked.key)
-        for live in self._live.values():
-            if live.job.key == asked.key:
-                return live.job
+        if (same := self.at(asked.key)) is not None:
+            return same
         now = time.time()
         job = Job(
             id=secrets.token_hex(12),
@@ -96,9 +95,17 @@ class Jobs:
             job = replace(job, state="done", done=job.total)
             await self._answers.on_disk(self._store.keep_job, job)
             return job
-        self._launch(job, {})
-        await self._answers.on_disk(self._store.keep_job, job)
+        live = self._launch(job, {})
+        try:
+            await self._answers.on_disk(self._store.keep_job, job)
+        except Exception:
+            self._lane.cancel(live.task)
+            raise
         return job
+
+    def at(self, key: str) -> Job | None:
+        """The job that is at the question of this key."""
+        return next((live.job for live in self._live.values() if live.job.key == key), None)
 
     async def job(self, job_id: str) -> Job | None:
         """The job of this id as it stands."""
@@ -161,7 +168,7 @@ class Jobs:
         if runners:
             await asyncio.wait(runners)
 
-    def _launch(self, job: Job, checkpoints: dict[str, bytes], *, beyond_limit: bool = False) -> None:
+    def _launch(self, job: Job, checkpoints: dict[str, bytes], *, beyond_limit: bool = False) -> _Live:
         head = {"do": "answer", "kind": job.kind, "scene": dict(job.scene), "partial": True}
         task = Task(
             head,
@@ -176,6 +183,7 @@ class Jobs:
         self._live[job.id] = live
         self._on_state("queued")
         live.runner = asyncio.create_task(self._run(live))
+        return live
 
     def _hear(self, live: _Live, message: Message) -> None:
         head = message.head
@@ -217,10 +225,9 @@ class Jobs:
         try:
             message = await live.task.future
             self._answers.costs.learn(live.job.kind, live.job.total, message.head)
-            stored = Stored.of(message.blobs[0])
+            stored = await self._answers.settle(live.job.key, message.blobs[0])
             live.job = replace(live.job, done=live.job.total)
-            self._answers.remember(live.job.key, await self._answers.on_disk(self._store.finish_job, live.job, stored))
-            await self._answers.on_disk(self._store.prune)
+            await self._answers.on_disk(self._store.finish_job, live.job, stored)
         except Cancelled:
             if self._stopping:
                 await self._keep_unsaved(live)
@@ -229,12 +236,17 @@ class Jobs:
         except Exception as failure:
             state, error = "failed", self._describe(failure)
         live.job = replace(live.job, state=state, error=error, updated=time.time())
-        if state != "done":
-            await self._answers.on_disk(self._store.keep_job, live.job)
+        try:
+            if state != "done":
+                await self._answers.on_disk(self._store.keep_job, live.job)
+            await self._answers.on_disk(self._store.prune)
+        except Exception:
+            _log.exception("what became of a job could not be stored", extra={"job": live.job.id})
         self._on_state(state)
         del self._live[live.job.id]
         live.tell(state, error or {})
 
     async def _keep_unsaved(self, live: _Live) -> None:
-        for run, sums in live.unsaved.items():
+        while live.unsaved:
+            run, sums = live.unsaved.popitem()
             await self._answers.on_disk(self._store.keep_checkpoint, live.job, run, sums)

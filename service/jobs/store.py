@@ -123,25 +123,20 @@ class Store:
 
     def result(self, key: str) -> Stored | None:
         """The stored bytes of this key."""
-        with self._transaction() as database:
-            row = database.execute("SELECT content, etag FROM result WHERE key = ?", (key,)).fetchone()
-            if row is not None:
-                database.execute("UPDATE result SET used = ? WHERE key = ?", (time.time(), key))
-        return None if row is None else Stored(bytes(row[0]), row[1])
+        with self._mutex:
+            row = self._database.execute("SELECT content, etag FROM result WHERE key = ?", (key,)).fetchone()
+            if row is None:
+                return None
+            try:
+                self._database.execute("UPDATE result SET used = ? WHERE key = ?", (time.time(), key))
+            except sqlite3.OperationalError as error:  # a full disk can be read
+                _log.error("the use of a result could not be noted: %s", error)
+        return Stored(bytes(row[0]), row[1])
 
     def keep_results(self, results: Mapping[str, Stored]) -> None:
         """Store bytes by their keys. Where some are stored already, those stay: equal questions get equal bytes."""
-        now = time.time()
-        rows = [(key, stored.etag, stored.content, now, now) for key, stored in results.items()]
         with self._transaction() as database:
-            database.executemany(
-                "INSERT OR IGNORE INTO result (key, etag, content, used, created) VALUES (?,?,?,?,?)", rows
-            )
-
-    def keep_result(self, key: str, stored: Stored) -> Stored:
-        """Store bytes as :meth:`keep_results` does, and return those that are stored now."""
-        self.keep_results({key: stored})
-        return self.result(key) or stored
+            _insert(database, results)
 
     def prune(self) -> None:
         """Forget what is too old, and what was used least recently above the limits of size and number."""
@@ -162,22 +157,14 @@ class Store:
 
     def keep_job(self, job: Job) -> None:
         """Store a new job, or what became of one. A finished one loses its checkpoints."""
-        row = {**vars(job), "scene": json.dumps(job.scene), "error": job.error and json.dumps(job.error)}
-        columns = ", ".join(row)
-        values = ", ".join(f":{name}" for name in row)
-        changed = ", ".join(f"{name} = :{name}" for name in ("state", "updated", "done", "total", "error"))
         with self._transaction() as database:
-            database.execute(
-                f"INSERT INTO job ({columns}) VALUES ({values}) ON CONFLICT (id) DO UPDATE SET {changed}", row
-            )
-            if job.finished:
-                database.execute("DELETE FROM checkpoint WHERE job = ?", (job.id,))
+            _upsert(database, job)
 
-    def finish_job(self, job: Job, stored: Stored) -> Stored:
-        """Store a job's result and that it is done, as :meth:`keep_result` and :meth:`keep_job` do."""
-        kept = self.keep_result(job.key, stored)
-        self.keep_job(replace(job, state="done", updated=time.time()))
-        return kept
+    def finish_job(self, job: Job, stored: Stored) -> None:
+        """Store a job's result and that it is done, as :meth:`keep_results` and :meth:`keep_job` do."""
+        with self._transaction() as database:
+            _insert(database, {job.key: stored})
+            _upsert(database, replace(job, state="done", updated=time.time()))
 
     def keep_checkpoint(self, job: Job, run: str, sums: bytes) -> None:
         """Store how far a run of a job is, and the job's progress."""
@@ -216,6 +203,22 @@ class Store:
             Job(**{**row, "scene": json.loads(row["scene"]), "error": row["error"] and json.loads(row["error"])})
             for row in rows
         ]
+
+
+def _insert(database: sqlite3.Connection, results: Mapping[str, Stored]) -> None:
+    now = time.time()
+    rows = [(key, stored.etag, stored.content, now, now) for key, stored in results.items()]
+    database.executemany("INSERT OR IGNORE INTO result (key, etag, content, used, created) VALUES (?,?,?,?,?)", rows)
+
+
+def _upsert(database: sqlite3.Connection, job: Job) -> None:
+    row = {**vars(job), "scene": json.dumps(job.scene), "error": job.error and json.dumps(job.error)}
+    columns = ", ".join(row)
+    values = ", ".join(f":{name}" for name in row)
+    changed = ", ".join(f"{name} = :{name}" for name in ("state", "updated", "done", "total", "error"))
+    database.execute(f"INSERT INTO job ({columns}) VALUES ({values}) ON CONFLICT (id) DO UPDATE SET {changed}", row)
+    if job.finished:
+        database.execute("DELETE FROM checkpoint WHERE job = ?", (job.id,))
 
 
 def _open(file: Path) -> sqlite3.Connection:

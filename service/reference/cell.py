@@ -38,7 +38,7 @@ def cell_reference(
 ) -> CellReference | None:
     """Reference of one cell; None where the model or the technique has no reference file.
 
-    Angles are radians, 0 <= theta_o < pi/2; ``phi_o`` matters to anisotropic models only. Raises ValueError for an
+    Angles are radians, 0 <= theta_o < pi/2; `phi_o` matters to anisotropic models only. Raises ValueError for an
     angle out of range.
     """
     if not 0.0 <= theta_o < 0.5 * math.pi:
@@ -74,7 +74,7 @@ def cell_reference(
 def cells_reference(
     model: str, technique: str, parameters: Mapping[str, float], theta_o: Sequence[float], phi_o: float = 0.0
 ) -> list[CellReference] | None:
-    """References of the cells at many view angles (radians), in their order; None as in :func:`cell_reference`."""
+    """References of the cells at many view angles (radians), in their order; None as in `cell_reference`."""
     if load_model(model) is None or load_technique(technique) is None:
         return None
     cells = (cell_reference(model, technique, parameters, theta, phi_o) for theta in theta_o)

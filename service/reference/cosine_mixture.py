@@ -7,7 +7,7 @@ from service.reference.techniques import cosine
 
 
 def density(lobe: Technique, wo: Array, wi: Array, parameters: Parameters) -> Array:
-    """Density in 1/sr of ``wi``, shape (..., 3), above the horizon and below."""
+    """Density in 1/sr of `wi`, shape (..., 3), above the horizon and below."""
     share = parameters["lobe_probability"]
     return share * lobe.density(wo, wi, parameters) + (1.0 - share) * cosine.density(wo, wi, parameters)
 

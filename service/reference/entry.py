@@ -1,10 +1,10 @@
 """What a model and a technique bring to the float64 reference, and how their files are found.
 
-A reference file is optional. It is a module ``models/NAME.py`` or ``techniques/NAME.py`` (``-`` becomes ``_``) with
-the functions of :class:`Model` or :class:`Technique`. A model may add ``directional_albedo(mu, parameters)`` and
-``average_albedo(parameters)``, both may
-add ``half_vector_lobes(parameters)``: see the functions of these names here. Directions are unit arrays of shape
-``(..., 3)`` that point away from the surface, with the normal along +z.
+A reference file is optional. It is a module `models/NAME.py` or `techniques/NAME.py` (`-` becomes `_`) with the
+functions of `Model` or `Technique`. A model may add `directional_albedo(mu, parameters)` and
+`average_albedo(parameters)`, both may add `half_vector_lobes(parameters)`: see `exact_albedo`, `exact_average_albedo`
+and `half_vector_lobes` here. Directions are unit arrays of shape (..., 3) that point away from the surface, with the
+normal along +z.
 """
 
 import importlib
@@ -25,7 +25,7 @@ Parameters = Mapping[str, float]
 class Edge:
     """A great circle inside the hemisphere on which the density has fallen linearly to its floor.
 
-    The circle is the plane ``normal_x * x + normal_z * z = 0`` in the frame whose x axis is the azimuth of wo; the
+    The circle is the plane `normal_x * x + normal_z * z = 0` in the frame whose x axis is the azimuth of wo; the
     lobe lies where that sum is positive.
     """
 
@@ -64,7 +64,7 @@ class Technique(Protocol):
     """A way to draw wi: its density, a float64 sampler and its kinks."""
 
     def density(self, wo: Array, wi: Array, parameters: Parameters) -> Array:
-        """Density of ``wi`` in 1/sr, zero where no sample falls."""
+        """Density of `wi` in 1/sr, zero where no sample falls."""
         ...
 
     def sample(self, wo: Array, u1: Array, u2: Array, parameters: Parameters) -> tuple[Array, Array]:
@@ -91,7 +91,7 @@ def _module(kind: str, name: str) -> object | None:
 
 
 def exact_albedo(model: Model, mu: float, parameters: Parameters) -> float | None:
-    """The model's own ``directional_albedo``, the integral of BRDF times cosine for a view of cosine ``mu``.
+    """The model's own `directional_albedo`, the integral of BRDF times cosine for a view of cosine `mu`.
 
     None where it has none.
     """
@@ -100,7 +100,7 @@ def exact_albedo(model: Model, mu: float, parameters: Parameters) -> float | Non
 
 
 def exact_average_albedo(model: Model, parameters: Parameters) -> float | None:
-    """The model's own ``average_albedo``, its directional albedo averaged over views by their cosine.
+    """The model's own `average_albedo`, its directional albedo averaged over views by their cosine.
 
     None where it has none.
     """
@@ -111,17 +111,17 @@ def exact_average_albedo(model: Model, parameters: Parameters) -> float | None:
 def half_vector_lobes(entry: Model | Technique, parameters: Parameters) -> tuple[tuple[float, float], ...]:
     """Slopes of the half vector, along x and y, within which the entry has its lobes; empty where it has none.
 
-    They are what the optional function ``half_vector_lobes`` of its file says.
+    They are what the optional function `half_vector_lobes` of its file says.
     """
     function = getattr(entry, "half_vector_lobes", None)
     return () if function is None else tuple(function(parameters))
 
 
 def load_model(name: str) -> Model | None:
-    """Reference of the model called ``name``; None where there is no such file."""
+    """Reference of the model called `name`; None where there is no such file."""
     return cast("Model | None", _module("models", name))
 
 
 def load_technique(name: str) -> Technique | None:
-    """Reference of the technique called ``name``; None where there is no such file."""
+    """Reference of the technique called `name`; None where there is no such file."""
     return cast("Technique | None", _module("techniques", name))

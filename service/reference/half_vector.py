@@ -4,7 +4,7 @@ distribution, Ashikhmin and Shirley 2000 for Phong's.
 The slope tan(theta_h) (cos phi_h, sin phi_h) stands for h, since 1 - cos_h^2 cancels for narrow lobes.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -12,9 +12,8 @@ import numpy as np
 from service.reference.entry import Array
 from service.reference.half_vector_plane import plane_of
 
-DEEPEST = (
-    700.0  # -log of the smallest distribution value: below it a density is held, not 0, so that it counts as drawn
-)
+DEEPEST = 700.0
+"""-log of the smallest value of a distribution: below it a density is held and not 0, so that it counts as drawn."""
 
 
 class Half(NamedTuple):
@@ -71,7 +70,7 @@ def reflected_density(density: Array, h: Half) -> Array:
 
 
 def reflect(wo: Array, x: Array, y: Array) -> Array:
-    """Mirror images of ``wo`` about half vectors of these slopes, shape (..., 3)."""
+    """Mirror images of `wo` about half vectors of these slopes, shape (..., 3)."""
     h = np.stack([x, y, np.ones_like(x)], axis=-1) / np.sqrt(1.0 + x * x + y * y)[..., None]
     return np.asarray(2.0 * np.sum(wo * h, axis=-1)[..., None] * h - wo)
 
@@ -84,7 +83,7 @@ def beckmann_slope(u1: Array, u2: Array, mx: float, my: float) -> tuple[Array, A
 
 
 def phong_slope(u1: Array, u2: Array, nu: float, nv: float) -> tuple[Array, Array]:
-    """Slopes whose half vectors have the density ``phong``."""
+    """Slopes whose half vectors have the density `phong`."""
     phi = np.arctan2(np.sqrt(nu + 1.0) * np.sin(2.0 * np.pi * u2), np.sqrt(nv + 1.0) * np.cos(2.0 * np.pi * u2))
     exponent = nu * np.cos(phi) ** 2 + nv * np.sin(phi) ** 2
     tan = np.sqrt(np.expm1(-2.0 * np.log1p(-u1) / (1.0 + exponent)))
@@ -99,7 +98,7 @@ def phong_lobe(nu: float, nv: float) -> tuple[float, float]:
 def mass_beyond_rim(wo: Array, lobe: tuple[float, float], survival: Callable[[Array, Array], Array]) -> float:
     """Probability that a half vector gives a direction below the horizon.
 
-    ``survival(rho, psi)`` is the probability that a half vector drawn at angle psi of the plane stretched by ``lobe``
+    `survival(rho, psi)` is the probability that a half vector drawn at angle psi of the plane stretched by `lobe`
     lies beyond rho; psi itself is uniform.
     """
     plane, _ = plane_of(wo, [lobe])
@@ -122,9 +121,3 @@ def phong_below(wo: Array, nu: float, nv: float) -> float:
         return np.asarray(np.exp(-0.5 * (exponent + 1.0) * np.log1p(rho * rho * (x2 + y2))))
 
     return mass_beyond_rim(wo, (mx, my), survival)
-
-
-def shares(first: float, second: float) -> Sequence[float]:
-    """Probabilities of two lobes by their reflectance."""
-    both = first + second
-    return (first / both, second / both) if both > 0.0 else (0.5, 0.5)

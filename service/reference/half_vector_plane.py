@@ -19,7 +19,7 @@ GRADING = 4.0
 
 @dataclass(frozen=True)
 class HalfVectorPlane:
-    """Slopes divided by (mx, my), for one view ``wo`` of shape (3,)."""
+    """Slopes divided by (mx, my), for one view `wo` of shape (3,)."""
 
     wo: Array
     mx: float
@@ -48,7 +48,7 @@ class HalfVectorPlane:
         return np.asarray(np.where(lean > 0.0, (root + np.abs(lean)) / squared, 1.0 / (root + np.abs(lean))))
 
     def directions(self, rho: Array, gap: Array, psi: Array) -> tuple[Array, Array]:
-        """wi, shape (..., 3), and the solid angle per unit of rho and psi. ``gap`` is rim - rho.
+        """wi, shape (..., 3), and the solid angle per unit of rho and psi. `gap` is rim - rho.
 
         cos_i comes from the gap, so that it keeps its relative accuracy at the horizon.
         """
@@ -83,18 +83,18 @@ class HalfVectorPlane:
 
     @property
     def copies(self) -> float:
-        """How often the part between the ends of ``turns`` fits into a whole turn."""
+        """How often the part between the ends of `turns` fits into a whole turn."""
         return 2.0 * np.pi / float(self.turns[-1] - self.turns[0])
 
     def turn_rule(self) -> tuple[Array, Array]:
-        """Nodes and weights in psi over the cuts of ``turns``; the weights add up to a whole turn."""
+        """Nodes and weights in psi over the cuts of `turns`; the weights add up to a whole turn."""
         nodes, weights = legendre_rule(TURN_NODES)
         start, width = self.turns[:-1, None], np.diff(self.turns)[:, None]
         return (start + width * nodes).ravel(), (self.copies * width * weights).ravel()
 
 
 def _around(centre: float, width: float) -> set[float]:
-    """The centre, and points on both sides at distances from ``width`` up to an eighth turn."""
+    """The centre, and points on both sides at distances from `width` up to an eighth turn."""
     count = max(0, int(np.ceil(np.log(np.pi / 4 / max(width, 1e-12)) / np.log(GRADING))))
     steps = [width * GRADING**k for k in range(count)]
     return {centre, *(centre + step for step in steps), *(centre - step for step in steps)}

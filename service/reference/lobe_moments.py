@@ -26,9 +26,8 @@ from service.reference.lobe_patches import (
 from service.reference.lobe_rays import OUTER_ENDS, Rays
 from service.reference.moments import NEGLIGIBLE, Moments, Pair, tail_strength
 
-GOALS = np.array(
-    [1e-11, 1e-10, 1e-9]
-)  # share of the integrals behind mean, variance, fourth that a patch may be off by
+GOALS = np.array([1e-11, 1e-10, 1e-9])
+"""Share of the integrals behind mean, variance and fourth moment that a patch may be off by."""
 ROUNDS = 40
 MOST_PATCHES = 4000
 SLOWEST = 1e-6  # a power of the distance to the rim this close to the edge of convergence counts as divergent
@@ -49,7 +48,7 @@ class Field:
 
     @classmethod
     def at(cls, rays: Rays, zeta: Array, psi: Array, area: Array) -> "Field":
-        """At coordinates of rays; ``area`` is that of a node in them."""
+        """At coordinates of rays; `area` is that of a node in them."""
         wi, solid_angle = rays.at(zeta, psi)
         solid_angle = solid_angle * area * rays.plane.copies
         reflected, density = rays.pair.reflected(wi), rays.pair.density(wi)
@@ -58,7 +57,7 @@ class Field:
         return cls(reflected * solid_angle, weight, density * solid_angle)
 
     def powers(self, centre: float) -> Array:
-        """Integrands of mean, variance and fourth moment about ``centre``, shape (3, ...)."""
+        """Integrands of mean, variance and fourth moment about `centre`, shape (3, ...)."""
         squared = (self.weight - centre) ** 2 * np.sqrt(self.mass)
         return np.stack([np.where(self.mass > 0.0, self.reflected, 0.0), squared * np.sqrt(self.mass), squared**2])
 
@@ -78,7 +77,7 @@ class Rim:
 
 @dataclass
 class LobeIntegrals:
-    """The quadrature of one pair; ``refine`` does the work."""
+    """The quadrature of one pair; `refine` does the work."""
 
     rays: Rays
     rim: Rim
@@ -101,7 +100,7 @@ class LobeIntegrals:
         return total
 
     def moments(self, centre: float) -> Array:
-        """Integrals of ``Field.powers``, shape (3,)."""
+        """Integrals of `Field.powers`, shape (3,)."""
         inner = sum((integrals(field.powers(centre)).sum(axis=-1) for field in self.fields), np.zeros(3))
         return np.where(self.finite, inner + self.rim.beyond, np.inf)
 

@@ -17,7 +17,7 @@ Bools = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Patches:
-    """A panel between kinks, the part of it from ``low`` to ``high``, and a range of psi; each of shape (P,)."""
+    """A panel between kinks, the part of it from `low` to `high`, and a range of psi; each of shape (P,)."""
 
     panel: NDArray[np.intp]
     low: Array
@@ -97,7 +97,7 @@ def promised_errors(values: Array) -> tuple[Array, Array]:
 def hidden_errors(values: Array, at_edges: Array) -> Array:
     """Errors (K, P) from kinks between the first or last angle of a patch and its edge, which coefficients miss.
 
-    ``at_edges`` (K, P, ORDER, 2) is compared with what the nodes' values (K, P, ORDER, ORDER) continue to there.
+    `at_edges` (K, P, ORDER, 2) is compared with what the nodes' values (K, P, ORDER, ORDER) continue to there.
     """
     nodes, weights = legendre_rule(ORDER)
     continued = values @ _to_legendre().T @ np.stack([(-1.0) ** np.arange(ORDER), np.ones(ORDER)], axis=1)

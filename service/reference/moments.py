@@ -18,7 +18,7 @@ NEGLIGIBLE = 1e-18  # of the squared mean: a variance below it is made of rounde
 
 @dataclass(frozen=True)
 class Pair:
-    """One model and one technique with their parameters, seen from one view direction ``wo``, shape (3,)."""
+    """One model and one technique with their parameters, seen from one view direction `wo`, shape (3,)."""
 
     model: Model
     technique: Technique
@@ -51,15 +51,15 @@ class Pair:
         return np.moveaxis(np.stack([up * np.cos(turned), up * np.sin(turned), z]), 0, -1)
 
     def reflected(self, wi: Array) -> Array:
-        """f cos_i at ``wi``, shape (...)."""
+        """f cos_i at `wi`, shape (...)."""
         return self.model.brdf(wi, self.wo, self.parameters) * wi[..., 2]
 
     def density(self, wi: Array) -> Array:
-        """Density of the technique at ``wi``, shape (...)."""
+        """Density of the technique at `wi`, shape (...)."""
         return self.technique.density(self.wo, wi, self.parameters)
 
     def weight(self, wi: Array) -> Array:
-        """Throughput weight at ``wi``, shape (...); 0 where the density is."""
+        """Throughput weight at `wi`, shape (...); 0 where the density is."""
         density = self.density(wi)
         covered = density > 0.0
         return np.where(covered, self.reflected(wi) / np.where(covered, density, 1.0), 0.0)
@@ -67,7 +67,7 @@ class Pair:
 
 @dataclass(frozen=True)
 class Moments:
-    """Integrals over the hemisphere; ``error`` is the largest relative difference of two rules."""
+    """Integrals over the hemisphere; `error` is the largest relative difference of two rules."""
 
     mean: float
     variance: float
@@ -78,7 +78,7 @@ class Moments:
 
 
 def edge_points(edge: Edge, angle: Array) -> Array:
-    """Directions on the edge, shape (..., 3), in the frame of wo; ``angle`` counts from its highest point."""
+    """Directions on the edge, shape (..., 3), in the frame of wo; `angle` counts from its highest point."""
     side = np.sign(edge.normal_x)
     lean, height = -edge.normal_z * side, edge.normal_x * side
     return np.stack([np.cos(angle) * lean, np.sin(angle), np.cos(angle) * height], axis=-1)
@@ -102,7 +102,7 @@ def tail_strength(pair: Pair) -> tuple[float, bool]:
 
 
 def integrate_moments(pair: Pair, finite: bool) -> Moments:
-    """Moments of the weight, refined until two rules agree; ``finite`` False leaves variance and fourth infinite."""
+    """Moments of the weight, refined until two rules agree; `finite` False leaves variance and fourth infinite."""
     partition, pieces = pair.partition(), 1
     fine = _integrate(pair, partition, FINE, pieces, finite)
     error = _difference(_integrate(pair, partition, COARSE, pieces, finite), fine)

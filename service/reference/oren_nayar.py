@@ -1,8 +1,9 @@
-"""Parts of the Oren-Nayar family. sigma is in radians."""
+"""Parts of the Oren-Nayar family (equations: the EON paper). sigma is in radians."""
 
 import numpy as np
 
-from service.reference.entry import Array, Kinks
+from service.reference.directions import both_above, larger_cosine, tangential_dot
+from service.reference.entry import Array
 
 QUALITATIVE_AVERAGE = 2 / 3 - 64 / (45 * np.pi)
 """Gq / pi averaged over views by their cosine."""
@@ -13,29 +14,25 @@ def ratio(sigma: float, c: float) -> float:
     return sigma * sigma / (sigma * sigma + c)
 
 
-def above(wi: Array, wo: Array) -> Array:
-    """Whether both directions are above the horizon."""
-    return np.asarray((wi[..., 2] > 0.0) & (wo[..., 2] > 0.0))
-
-
-def tangential_dot(wi: Array, wo: Array) -> Array:
-    """s = wi.wo - cos_i cos_o, without the subtraction."""
-    return np.asarray(wi[..., 0] * wo[..., 0] + wi[..., 1] * wo[..., 1])
-
-
-def larger_cosine(wi: Array, wo: Array) -> Array:
-    """max(cos_i, cos_o); 1 where either direction is not above the horizon."""
-    return np.where(above(wi, wo), np.maximum(wi[..., 2], wo[..., 2]), 1.0)
-
-
 def qualitative_shape(mu: Array | float) -> Array:
-    """Gq of the EON paper's eq. 6: sin t (t - sin t cos t) + 2/3 tan t (1 - sin^3 t); pi/2 at grazing."""
+    """Gq of eq. 8: sin t (t - sin t cos t) + 2/3 tan t (1 - sin^3 t); pi/2 at grazing."""
     mu = np.asarray(mu)
     sine = np.sqrt((1.0 - mu) * (1.0 + mu))
     theta = np.arctan2(sine, mu)
     return np.asarray(sine * (theta - sine * mu) + 2 / 3 * sine * mu * (1.0 + sine + sine * sine) / (1.0 + sine))
 
 
-def equal_elevations(wo: Array) -> Kinks:
-    """The larger of the polar angles changes sides where the elevations are equal."""
-    return Kinks(elevations=(float(np.arctan2(wo[2], np.hypot(wo[0], wo[1]))),))
+def qualitative_brdf(wi: Array, wo: Array, albedo: float, a: float, b: float) -> Array:
+    """rho / pi (A + B max(0, s) / max(cos_i, cos_o)) (eq. 3); 0 where either direction is not above the horizon."""
+    shape = np.maximum(tangential_dot(wi, wo), 0.0) / larger_cosine(wi, wo)
+    return np.where(both_above(wi, wo), albedo / np.pi * (a + b * shape), 0.0)
+
+
+def qualitative_albedo(mu: Array | float, albedo: float, a: float, b: float) -> Array:
+    """Its albedo for views of cosine `mu`: rho (A + B Gq / pi) (eq. 5)."""
+    return np.asarray(albedo * (a + b * qualitative_shape(mu) / np.pi))
+
+
+def qualitative_average(albedo: float, a: float, b: float) -> float:
+    """Its albedo averaged over views by their cosine: rho (A + (2/3 - 64/(45 pi)) B) (eq. 9)."""
+    return albedo * (a + QUALITATIVE_AVERAGE * b)

@@ -25,7 +25,7 @@ Bound = tuple[float, float]  # base and follow of an azimuth bound, see Partitio
 class Partition:
     """Patches of the half with azimuths in [0, pi].
 
-    ``patches`` has shape (7, P, 1, 1): low and high end in elevation; 1 where the high end is the edge's top, whose
+    `patches` has shape (7, P, 1, 1): low and high end in elevation; 1 where the high end is the edge's top, whose
     azimuth starts there like a square root, else 0; base and follow of the low azimuth bound; the same of the high one.
     A bound lies at base + follow (azimuth of the edge - base).
     """
@@ -58,7 +58,7 @@ class Partition:
 def partition_hemisphere(kinks: Iterable[Kinks], smoothing: float) -> Partition:
     """Patches for the kinks of a model and a technique.
 
-    ``smoothing`` (radians) is the distance behind the edge at which the density, continued, would reach zero.
+    `smoothing` (radians) is the distance behind the edge at which the density, continued, would reach zero.
     """
     kinks = tuple(kinks)
     edge = next((k.edge for k in kinks if k.edge is not None), None)

@@ -40,7 +40,7 @@ class Lobe:
 
 
 def eon_lobe(wo: Array, roughness: float, *, shear_z: bool = True, clipped: bool = False) -> Lobe:
-    """Lobe of listing 2 for views ``wo``, shape (..., 3); ``shear_z`` False sets d = 0.
+    """Lobe of listing 2 for views `wo`, shape (..., 3); `shear_z` False sets d = 0.
 
     Numerator and denominator of d are written in e = 1 - mu: as printed both nearly cancel at normal incidence. The
     sign of d changes at 0.7755 degrees: d is positive for steeper views.
@@ -62,7 +62,7 @@ def _tangent(wo: Array) -> tuple[Array, Array]:
 
 
 def lobe_density(lobe: Lobe, wo: Array, wi: Array) -> Array:
-    """Density in 1/sr of ``wi``, shape (..., 3): eq. 23, with the adjugate of M in place of its inverse."""
+    """Density in 1/sr of `wi`, shape (..., 3): eq. 23, with the adjugate of M in place of its inverse."""
     x_axis, y_axis = _tangent(wo)
     x, z = x_axis * wi[..., 0] + y_axis * wi[..., 1], wi[..., 2]
     y = x_axis * wi[..., 1] - y_axis * wi[..., 0]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -11,17 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from service.catalogue import Entry
-from service.checks.outcome import plain
-from service.checks.selection import replay_command
 from service.engine import Engine
+from service.inputs import replay_command
+from service.plain_data import plain_data
 from service.probe import Probe, Values
 from service.scene import Question
 from service.stability import regions
 from service.stability.stiffness import condition_numbers, direction_rounding_effect, rounding_effect
 from service.stability.survey import Comparison, Points, compare, edge_points
+from service.statistics import Progress
 
 Array = NDArray[Any]
-Progress = Callable[[str, int, int], None]
 CONDITION_POINTS = 1 << 14
 AT_HORIZON = 16 * 2.0**-24
 
@@ -47,18 +47,13 @@ def compute_stability(question: Question, engine: Engine, progress: Progress = l
                 check["replay"]["command"] = replay_command(given, check["replay"], engine.catalogue)
         for name, items in one.items():
             found[name] += items
-    info = engine.device.info
     return {
         "kind": "stability",
         "scene": scene.model_dump(mode="json"),
         "status": "fail" if any(check["status"] == "fail" for check in found["checks"]) else "pass",
         **found,
         "left_out": [],
-        "run": {
-            "device": info.name,
-            "driver": info.driver_version,
-            "elapsed_ms": 1e3 * (time.perf_counter() - begin),
-        },
+        "run": engine.run_block(begin),
     }
 
 
@@ -97,7 +92,9 @@ def survey_pair(
             i = int(np.argmax(nonfinite))
             first_bad = first_bad or regions.place(probe, points, next(c for c in comparisons if c.nonfinite[i]), i)
         first_bad = first_bad or bad
-    conditions = [plain(asdict(c)) | {"technique": technique.name} for c in condition_numbers(probe, CONDITION_POINTS)]
+    conditions = [
+        plain_data(asdict(c)) | {"technique": technique.name} for c in condition_numbers(probe, CONDITION_POINTS)
+    ]
     return {
         "regions": areas,
         "exceptions": listed,
@@ -144,22 +141,19 @@ def _exceptions(
             )
             if e.reason == regions.WRONG:
                 wrong = wrong or where
-    return plain(listed), wrong
+    return plain_data(listed), wrong
 
 
 def _check(technique: str, counts: Mapping[str, int], bad: Mapping[str, Any] | None) -> dict[str, Any]:
     failed = counts["nonfinite"] or counts["wrong"]
-    message = (
-        f"{counts['points']:,} points of the edge grid: {counts['nonfinite']:,} not finite, "
-        f"{counts['wrong']:,} unstable"
-    )
+    found = f"{counts['nonfinite']:,} not finite, {counts['wrong']:,} unstable"
+    limit = f"within {regions.ULP_LIMIT:g} ulp, or listed with its reason"
     return {
         "name": "stability",
         "technique": technique,
         "status": "fail" if failed else "pass",
-        "message": message,
+        "message": f"{counts['points']:,} points of the edge grid: {found}",
         "evidence": dict(counts),
-        "power": f"float32 against the same code in float64; within {regions.ULP_LIMIT:g} ulp, or listed "
-        f"with its reason",
-        "replay": plain(bad["inputs"]) if failed and bad else None,
+        "power": f"float32 against the same code in float64; {limit}",
+        "replay": plain_data(bad["inputs"]) if failed and bad else None,
     }

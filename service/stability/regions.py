@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from service.checks.outcome import plain
-from service.checks.subject import bits
+from service.inputs import bits
+from service.plain_data import plain_data
 from service.probe import Probe
 from service.stability.grid import EDGE_TURNS, NEXT_TO_SEAMS
 from service.stability.survey import DIRECTION_ULP, SMALLEST, Comparison, Points, last_place
@@ -19,6 +19,7 @@ from service.stability.survey import DIRECTION_ULP, SMALLEST, Comparison, Points
 Array = NDArray[Any]
 
 ULP_LIMIT = 8.0
+WRONG = "unstable: far from the true value, and no rounding of inputs explains it"
 LOST = 1e-3
 """A relative error above this, which the rounding of inputs does not explain, is a failure and no mere exception."""
 
@@ -109,8 +110,8 @@ def place(probe: Probe, points: Points, comparison: Comparison, i: int) -> dict[
     return {
         "quantity": comparison.quantity,
         "inputs": inputs,
-        "value": plain(comparison.value[i]),
-        "expected": plain(comparison.truth[i]),
+        "value": plain_data(comparison.value[i]),
+        "expected": plain_data(comparison.truth[i]),
     }
 
 
@@ -159,17 +160,14 @@ def exceptions(
             i = int(np.argmax(np.where(mask, comparison.ulp, -1.0)))
             out.append(
                 Exceptional(
-                    comparison.quantity,
-                    reason,
-                    int(mask.sum()),
-                    i,
-                    float(comparison.ulp[i]),
-                    float(allowed[i]),
-                    None if by_direction is None else float(by_direction[i]),
-                    float(relative[i]),
+                    quantity=comparison.quantity,
+                    reason=reason,
+                    points=int(mask.sum()),
+                    worst=i,
+                    ulp=float(comparison.ulp[i]),
+                    effect=float(allowed[i]),
+                    direction_effect=None if by_direction is None else float(by_direction[i]),
+                    relative=float(relative[i]),
                 )
             )
     return out
-
-
-WRONG = "unstable: far from the true value, and no rounding of inputs explains it"

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from service.checks.subject import random_settings
+from service.inputs import random_settings
 from service.probe import Probe
 from service.stability.survey import Points
 
@@ -33,8 +33,9 @@ class Condition:
 
 
 def condition_numbers(probe: Probe, count: int, seed: int = 0) -> list[Condition]:
-    """|x df/dx / f| of brdf, density and direction (there |x dwi/dx|) for mu, u1, u2 and every parameter, at random
-    inputs of which half are towards grazing, small parameters and small numbers.
+    """|x df/dx / f| of brdf, densities and direction (there |x dwi/dx|), for x = mu, u1, u2 and every parameter.
+
+    The worst and the median are over `count` random inputs, many of them towards grazing and small numbers.
     """
     rng = np.random.default_rng(seed)
     mu = np.where(rng.random(count) < 0.5, rng.uniform(0.001, 1, count), 10.0 ** rng.uniform(-6, 0, count))
@@ -42,10 +43,10 @@ def condition_numbers(probe: Probe, count: int, seed: int = 0) -> list[Condition
     u = np.where(rng.random((count, 2)) < 0.7, rng.random((count, 2)), 10.0 ** rng.uniform(-7, 0, (count, 2)))
     rows = random_settings(probe.declared, 256, rng)[rng.integers(0, 256, count)].astype(np.float64)
     given = _directions(rng, count)
+    middle = _evaluate(probe, mu, turn, u, rows, given)
     out = []
     for name, low, high, size in _changes(probe, mu, u, rows):
         a, b = (_evaluate(probe, change[0], turn, change[1], change[2], given) for change in (low, high))
-        middle = _evaluate(probe, mu, turn, u, rows, given)
         for quantity in ("brdf", "direction_pdf", "pdf", "direction"):
             if name in ("u1", "u2") and quantity in ("brdf", "direction_pdf"):
                 continue

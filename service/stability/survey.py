@@ -22,7 +22,6 @@ DIRECTION_ULP = STEP
 SMALLEST = 2.0**-100
 """Errors of values below it are counted in units of its last place: intermediate values of theirs are denormal."""
 
-
 _COLUMNS = ("wo", "value", "parameters", "turn", "special", "inside")
 
 

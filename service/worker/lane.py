@@ -310,6 +310,8 @@ class _Watch:
     def __init__(self, worker: WorkerProcess, settings: LaneSettings) -> None:
         self._worker = worker
         self._settings = settings
+        self._alive_by = 0.0
+        self._heard()
         self.expect(within_s=math.inf)
 
     def expect(self, within_s: float) -> None:
@@ -333,14 +335,24 @@ class _Watch:
         return message
 
     async def _arrived(self) -> Message | None:
-        """The next message. Raises asyncio.QueueEmpty when it takes longer than two beats may be apart."""
+        """The next message. Raises asyncio.QueueEmpty where the worker itself is silent for longer than two beats may
+        be apart.
+        """
+        inbox = self._worker.inbox
         try:
-            async with asyncio.timeout(self._settings.beat_timeout_s):
-                return await self._worker.inbox.get()
+            async with asyncio.timeout_at(self._alive_by):
+                message = await inbox.get()
         except TimeoutError:
             # If this process was the one that stood still, what arrived meanwhile is read now.
             await asyncio.sleep(0.05)
-            return self._worker.inbox.get_nowait()
+            while (message := inbox.get_nowait()) is _NEW_TASK:
+                pass
+        if message is not _NEW_TASK:
+            self._heard()
+        return message
+
+    def _heard(self) -> None:
+        self._alive_by = asyncio.get_running_loop().time() + self._settings.beat_timeout_s
 
     def _log_hang(self, why: str) -> None:
         _log.error("worker hangs: %s", why, extra={"lane": self._settings.name, "worker": self._worker.process.pid})

@@ -14,8 +14,8 @@ struct HalfVector {
 };
 
 // Of two directions on the sphere, up to the sign of the slope. wo.h = |wi + wo|/2 has no cancellation at grazing, nor
-// has 1 - (wo.h)^2 = |wi - wo|^2/4 near retro-reflection. Total: slopes are cut at
-// 1e18, which a horizontal sum has as well; of wi = -wo the half vector counts as the normal, with wo.h = 0.
+// has 1 - (wo.h)^2 = |wi - wo|^2/4 near retro-reflection. Defined everywhere: slopes are cut at 1e18, which a horizontal
+// sum has as well; the half vector of wi = -wo counts as the normal, with wo.h = 0.
 HalfVector half_vector(vec3 wi, vec3 wo) {
     vec3 h = wi + wo;
     float largest = max(max(abs(h.x), abs(h.y)), abs(h.z));
@@ -33,9 +33,9 @@ vec3 reflect_about(vec3 wo, vec2 slope) {
     return 2.0 * dot(wo, h) / dot(h, h) * h - wo;
 }
 
-// share times the density of wi, given that of h as scale exp(x), both per steradian (Walter's Jacobian 1/(4 wo.h)). It covers the
-// sphere: directions below the horizon are drawn too. wi = -wo, which h drawn at a right angle to wo gives, counts as never
-// drawn.
+// share times the density of wi, given that of h as scale exp(x), both per steradian (Walter's Jacobian 1/(4 wo.h)). It
+// covers the sphere: directions below the horizon are drawn too. wi = -wo, which h drawn at a right angle to wo gives,
+// counts as never drawn.
 float reflected_density(float share, float scale, float x, HalfVector h) {
     return h.to_view > 0.0 ? exponential_ratio(share, 0.25 * scale, x, h.to_view, 1.0) : 0.0;
 }

@@ -47,7 +47,7 @@ float ltc_density(LtcLobe lobe, vec3 w) {
     return h.z > 0.0 ? INV_PI * ratio * ratio * h.z : 0.0;
 }
 
-// The sample that M h, of any length, stands for, where h was drawn from the cosine lobe with density pdf.
+// The direction of w = M h and its density, where h was drawn from the cosine lobe with density pdf.
 DirectionSample ltc_normalised(LtcLobe lobe, vec3 w, float pdf) {
     float squared = dot(w, w);
     float length = sqrt(squared);

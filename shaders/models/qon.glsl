@@ -2,7 +2,7 @@
 provides = ["model"]
 name = "qon"
 title = "Qualitative Oren-Nayar"
-source = "Oren and Nayar 1994; Portsmouth, Kutz, Hill 2024 (EON), eq. 1 to 7"
+source = "Oren and Nayar 1994; Portsmouth, Kutz, Hill 2024 (EON), eq. 1 to 8"
 black = { albedo = 0.0 }
 [left_out]
 "roughness terms" = { sigma = 0.0 }

@@ -11,7 +11,7 @@ import time
 from collections import Counter
 
 from service.catalogue import load_catalogue
-from service.checks.battery import Battery, check_models, check_technique
+from service.checks.battery import Battery, check_model, check_technique
 from service.engine import Engine
 from service.probe import Probe
 
@@ -32,7 +32,7 @@ def count(engine: Engine, seeds: range) -> tuple[Counter[str], int]:
         battery = Battery(seed=seed, quick=True)
         for model, techniques in SOUND.items():
             probes = [Probe(engine, engine.catalogue.model(model), engine.catalogue.technique(t)) for t in techniques]
-            outcomes = [(model, outcome) for outcome in check_models(probes[0], battery)]
+            outcomes = [(model, outcome) for outcome in check_model(probes[0], battery)]
             for probe in probes:
                 outcomes += [(f"{model}, {probe.technique.name}", one) for one in check_technique(probe, battery)]
                 runs += 1

@@ -37,7 +37,7 @@ from service.estimators.sampled import open_sampler
 from service.left_out import features_left_out, structure_without
 from service.moments import from_power_sums
 from service.reference_store import plan_reference
-from service.scene import Question, SeriesPlan, parse_scene, radians, resolve
+from service.scene import Question, SeriesPlan, parse_scene, resolve
 from service.statistics import series_cells
 
 TECHNIQUES = ("cosine", "uniform", "ltc-nonnegative", "ltc", "cltc", "cltc-mis")
@@ -149,7 +149,7 @@ def started(peer: Peer) -> Iterator[Program]:
 
 def rates(engine: Engine, question: Question, samples: int, rounds: int) -> dict:
     """Samples a second of every program and technique, and our rate over each peer's, round by round."""
-    angles = [radians(angle) for angle in question.scene.angles_deg]
+    angles = [math.radians(angle) for angle in question.scene.angles_deg]
     seconds: dict[str, dict[str, list[float]]] = {OURS: {name: [] for name in TECHNIQUES}}
     busy: dict[str, dict[str, list[float]]] = {OURS: {name: [] for name in TECHNIQUES}}
     with ExitStack() as stack:
@@ -251,7 +251,7 @@ def time_to_error(engine: Engine, question: Question, measured: dict) -> dict:
         runs = []
         for _ in range(5):
             begin = time.perf_counter()
-            found = quadrature(plan, engine, series_cells(plan, question.scene), estimator, finite, wanted=True)
+            found = quadrature(plan, engine, series_cells(plan, question.scene), estimator, finite, with_variance=True)
             runs.append((found.device_ns / 1e9, time.perf_counter() - begin))
         spent, elapsed = np.median([run[0] for run in runs]), np.median([run[1] for run in runs])
         device += spent

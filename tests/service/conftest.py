@@ -1,6 +1,4 @@
-"""What the tests of the service share: an engine on the real driver with validation, and a way to probe single
-inputs.
-"""
+"""What the tests of the service share: an engine on the real driver with validation, scenes answered, inputs probed."""
 
 from __future__ import annotations
 
@@ -56,3 +54,11 @@ def view(theta_o, phi_o=0.0):
     """wo for angles in radians, shape (..., 3)."""
     theta_o, phi_o = np.broadcast_arrays(np.asarray(theta_o, float), np.asarray(phi_o, float))
     return np.stack([np.sin(theta_o) * np.cos(phi_o), np.sin(theta_o) * np.sin(phi_o), np.cos(theta_o)], axis=-1)
+
+
+def column(series, *names):
+    """A column of a series, by the names on the way to it, as an array; null becomes NaN."""
+    value = series
+    for name in names:
+        value = value[name]
+    return np.array(value, float)

@@ -2,8 +2,10 @@
 
 import pytest
 
-from service.catalogue import SHADERS, load_catalogue, own_entry, read_entry
+from service.catalogue import RESERVED, SHADERS, load_catalogue, own_entry, read_entry
+from service.convergence import ConvergenceScene
 from service.errors import ShaderFileError
+from service.scene import Estimator
 
 HEAD = 'provides = ["model"]\nname = "mine"\ntitle = "Mine"\nsource = "own"\n'
 CODE = "float brdf(vec3 wi, vec3 wo) { return 1.0; }\n"
@@ -56,6 +58,10 @@ def test_a_file_that_breaks_the_contract_is_refused_with_its_name(head, code, sa
     with pytest.raises(ShaderFileError, match=r"mine\.glsl") as caught:
         entry(head, code)
     assert says in str(caught.value)
+
+
+def test_no_parameter_has_the_name_of_a_field_of_a_scene():
+    assert {*ConvergenceScene.model_fields, *Estimator.model_fields} <= RESERVED
 
 
 def test_a_file_without_head_is_refused():

@@ -8,18 +8,13 @@ import sys
 
 import pytest
 
+from tests.service.command_line import ROOT, samplerscope
+
 SMALL = ["stats", "--technique", "cosine,cltc-mis", "--theta-o-deg", "0,80", "--samples", "20000", "--seed", "3"]
 
 
-def run(*arguments, env=None, limit_s=120):
-    command = [sys.executable, "-c", "from service.cli import main; main()", *arguments]
-    return subprocess.run(
-        command, capture_output=True, text=True, timeout=limit_s, env={**os.environ, **(env or {})}, check=False
-    )
-
-
 def result_of(*arguments, env=None):
-    done = run(*arguments, "--format", "json", env=env)
+    done = samplerscope(*arguments, "--format", "json", env=env)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 
@@ -29,7 +24,7 @@ def numbers(result):
 
 
 def test_the_table_goes_to_stdout_and_progress_to_stderr():
-    done = run(*SMALL)
+    done = samplerscope(*SMALL)
     assert done.returncode == 0
     assert "variance" in done.stdout
     assert "cltc-mis" in done.stdout
@@ -88,7 +83,7 @@ def test_another_seed_gives_other_samples_of_the_same_law():
     ],
 )
 def test_bad_input_gets_one_line_and_exit_code_2(arguments, names, tmp_path):
-    done = run("stats", *arguments)
+    done = samplerscope("stats", *arguments)
     assert done.returncode == 2
     assert done.stdout == ""
     assert len(done.stderr.strip().splitlines()) == 1
@@ -97,7 +92,7 @@ def test_bad_input_gets_one_line_and_exit_code_2(arguments, names, tmp_path):
 
 def test_an_unwritable_output_is_found_before_anything_is_computed(tmp_path):
     (tmp_path / "folder.json").mkdir()
-    done = run("stats", "--samples", "1000000000000", "-o", str(tmp_path / "folder.json"))
+    done = samplerscope("stats", "--samples", "1000000000000", "-o", str(tmp_path / "folder.json"))
     assert done.returncode == 2
     assert "folder" in done.stderr
     assert list((tmp_path / "folder.json").iterdir()) == []
@@ -105,7 +100,7 @@ def test_an_unwritable_output_is_found_before_anything_is_computed(tmp_path):
 
 @pytest.mark.parametrize("option", [["--format", "png"], ["-o", "card.svg"]])
 def test_a_format_that_a_command_has_not_is_found_before_anything_is_computed(option, tmp_path):
-    done = run("stability", *option)
+    done = samplerscope("stability", *option)
     assert done.returncode == 2
     assert done.stdout == ""
     (line,) = done.stderr.strip().splitlines()
@@ -148,7 +143,15 @@ def test_a_dash_is_standard_output_which_keeps_what_others_wrote_there(name, tmp
         stream.write("first\n")
         stream.flush()
         command = [sys.executable, "-c", "from service.cli import main; main()", *SMALL, "--format", "csv", "-o", name]
-        subprocess.run(command, stdout=stream, stderr=subprocess.DEVNULL, timeout=120, check=True, cwd=tmp_path)
+        subprocess.run(
+            command,
+            stdout=stream,
+            stderr=subprocess.DEVNULL,
+            timeout=120,
+            check=True,
+            cwd=tmp_path,
+            env={**os.environ, "PYTHONPATH": str(ROOT)},
+        )
     first, head, *rows = out.read_text().splitlines()
     assert (first, head.split(",")[0], len(rows)) == ("first", "model", 4)
     assert list(tmp_path.iterdir()) == [out]
@@ -174,7 +177,7 @@ def test_a_count_may_have_an_exponent():
 
 
 def test_a_wrong_command_names_those_there_are_and_none_shows_the_help():
-    wrong, none = run("stat"), run()
+    wrong, none = samplerscope("stat"), samplerscope()
     assert wrong.returncode == none.returncode == 2
     (line,) = wrong.stderr.strip().splitlines()
     assert "stat: allowed is one of info, stats" in line
@@ -183,7 +186,7 @@ def test_a_wrong_command_names_those_there_are_and_none_shows_the_help():
 
 @pytest.mark.parametrize("variable", ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"])
 def test_a_driver_setting_that_is_none_gets_one_line_and_exit_code_3(variable):
-    done = run(*SMALL, env={variable: "/no/such/driver.json"})
+    done = samplerscope(*SMALL, env={variable: "/no/such/driver.json"})
     assert done.returncode == 3
     assert done.stdout == ""
     (line,) = done.stderr.strip().splitlines()
@@ -193,7 +196,7 @@ def test_a_driver_setting_that_is_none_gets_one_line_and_exit_code_3(variable):
 def test_files_get_the_format_of_their_suffix_and_the_table_still_shows(tmp_path):
     names = ["a.json", "b.csv", "c.npz", "d.vl.json", "e.svg", "f.png"]
     outputs = [part for name in names for part in ("-o", str(tmp_path / name))]
-    done = run(*SMALL, *outputs)
+    done = samplerscope(*SMALL, *outputs)
     assert done.returncode == 0
     assert "mean weight" in done.stdout
     assert sorted(path.name for path in tmp_path.iterdir()) == names
@@ -203,10 +206,10 @@ def test_files_get_the_format_of_their_suffix_and_the_table_still_shows(tmp_path
 
 
 def test_a_figure_is_a_named_scene(tmp_path):
-    done = run("figure", "eon-13", "--samples", "1000", "-o", str(tmp_path / "f.svg"), "--format", "svg")
+    done = samplerscope("figure", "eon-13", "--samples", "1000", "-o", str(tmp_path / "f.svg"), "--format", "svg")
     assert done.returncode == 0
     assert (tmp_path / "f.svg").read_text().startswith("<svg")
-    wrong = run("figure", "eon-12")
+    wrong = samplerscope("figure", "eon-12")
     assert wrong.returncode == 2
     assert "eon-11" in wrong.stderr
 
@@ -219,7 +222,7 @@ def test_info_names_the_driver_and_the_catalogue():
 
 
 def test_the_text_of_info_keeps_names_and_titles_apart():
-    text = run("info").stdout
+    text = samplerscope("info").stdout
     for kind in ("models", "techniques"):
         for entry in result_of("info")["catalogue"][kind]:
             assert f"  {entry['name']}  " in text
@@ -234,18 +237,9 @@ def test_memory_does_not_grow_with_the_number_of_samples():
     )
     peaks = []
     for samples in (2**16, 2**28):
-        arguments = [
-            "stats",
-            "--technique",
-            "uniform",
-            "--theta-o-deg",
-            "45",
-            "--samples",
-            str(samples),
-            "--no-reference",
-        ]
+        scene = f"stats --technique uniform --theta-o-deg 45 --samples {samples} --no-reference"
         done = subprocess.run(
-            [sys.executable, "-c", code, *arguments], capture_output=True, text=True, timeout=120, check=True
+            [sys.executable, "-c", code, *scene.split()], capture_output=True, text=True, timeout=120, check=True
         )
         peaks.append(int(done.stderr.splitlines()[-1]))
     assert peaks[1] - peaks[0] < 20_000

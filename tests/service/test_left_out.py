@@ -7,7 +7,7 @@ import pytest
 from service.catalogue import load_catalogue
 from service.convergence import compute_convergence, parse_convergence_scene
 from service.engine import BUFFERS, PUSH_CONSTANT_BYTES, Engine
-from service.estimators.sampled import monte_carlo
+from service.estimators.sampled import SeriesRun, monte_carlo
 from service.explain.shaders import groups_of, shader_without
 from service.left_out import Feature, features_left_out, structure_without
 from service.sampling import Sampler
@@ -166,7 +166,7 @@ def test_a_black_model_is_answered_without_the_device_as_the_shader_would(engine
     question = asked(model="eon", techniques="ltc", parameters={"albedo": 0.0}, statistics=statistics)
     plan, scene = question.series[0], question.scene
     estimator = scene.estimator.model_copy(update={"samples": SAMPLES})
-    drawn = monte_carlo(plan, engine, series_cells(plan, scene), estimator, Structure())
+    drawn = monte_carlo(SeriesRun(plan, engine, series_cells(plan, scene), Structure()), estimator)
     monkeypatch.setattr(Engine, "pipeline", lambda *_, **__: pytest.fail("a shader was built"))
     result = compute_statistics(question, engine)
     (series,) = result["series"]

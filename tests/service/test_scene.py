@@ -67,6 +67,28 @@ def test_every_wrong_field_is_reported_at_once():
     assert found["estimator.samples"][0] == 0
 
 
+def test_of_fields_whose_names_begin_alike_each_is_reported():
+    angles = [95 if k in (1, 10) else 10 for k in range(11)]
+    assert set(problems(theta_o_deg=angles, colour="red", colours="blue")) == {
+        *("theta_o_deg.1", "theta_o_deg.10", "colour", "colours")
+    }
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "at"),
+    [
+        ("techniques", [1] * 100_000, "techniques"),
+        ("statistics", ["x"] * 100_000, "statistics"),
+        ("zip", [["a"]] * 100_000, "zip"),
+        ("theta_o_deg", [99] * 100_000, "theta_o_deg"),
+        ("phi_o_deg", ["x"] * 100_000, "phi_o_deg"),
+        ("parameters", {"roughness": [*[0.5] * 100_000, "x", "y"]}, "parameters.roughness.100000"),
+    ],
+)
+def test_a_list_of_any_length_is_one_problem(field, value, at):
+    assert set(problems(**{field: value})) == {at}
+
+
 @pytest.mark.parametrize(
     ("scene", "field", "names"),
     [

@@ -13,24 +13,16 @@ import pytest
 
 from service import sampling
 from service.catalogue import SHADERS, load_catalogue, read_entry
+from service.moments import bernstein_half_width
 from service.reference import cell_reference, load_model, load_technique
 from service.scene import parse_scene, resolve
 from service.statistics import compute_statistics, series_cells
-from service.verdict import bernstein_half_width
-from tests.service.conftest import view
+from tests.service.conftest import column, view
 
 CONVERGENT = ["cosine", "uniform", "ltc-nonnegative", "cltc-mis"]
 ALL = [*CONVERGENT, "ltc", "cltc"]
 ANGLES = [0.0, 0.4, 0.7755, 2.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0, 88.0, 89.0, 89.5, 89.9, 89.99]
 ROUGHNESS = [0.0, 0.05, 0.25, 0.5, 0.75, 1.0]
-
-
-def column(series, *names):
-    """A column of a series as an array; null becomes NaN."""
-    value = series
-    for name in names:
-        value = value[name]
-    return np.array(value, float)
 
 
 @pytest.fixture(scope="module")
@@ -264,7 +256,7 @@ def test_any_number_of_samples_is_drawn_exactly(compute, samples):
 
 
 def with_replaced(kind, name, old, new):
-    """The catalogue with one file changed in one place; the reference still is that of the true one."""
+    """The text of a shader file of the catalogue, changed in one place."""
     text = (SHADERS / kind / f"{name}.glsl").read_text()
     assert old in text
     return text.replace(old, new)

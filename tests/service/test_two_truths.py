@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from service.catalogue import load_catalogue
-from service.checks.subject import inner_value
+from service.inputs import inner_value
 from service.probe import Probe
 from service.reference import load_model, load_technique
 

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import sys
 from functools import partial
 from typing import Any
 
 import click
 
-from service.cli.delivery import StageLine, deliver
-from service.cli.options import integer, names, output_options, settings_of
+from service.cli.delivery import StageLine, deliver, deliver_with_reports
+from service.cli.options import integer, names, output_options, report_option, settings_of
 from service.cli.own_file import own_texts
 from service.errors import BadInput, Problem
-
-EXIT_FAILED = 1
 
 
 @click.command(short_help="Is it right at all: the whole battery on one file or name.")
@@ -25,9 +22,7 @@ EXIT_FAILED = 1
 @click.option("--set", "settings", multiple=True, metavar="NAME=VALUE", help="Fix a parameter, which is swept else.")
 @click.option("--quick", is_flag=True, help="A few seconds, at the lower power that each check states.")
 @click.option("--seed", metavar="N", help="Seed of the random numbers. Default: 0.")
-@click.option(
-    "--report", "reports", multiple=True, metavar="FILE", help="Report card as .html, .json or .md; repeatable."
-)
+@report_option
 @click.option("--wo", metavar="X,Y,Z", help="Replay: evaluate once for this view, as numbers or float bits.")
 @click.option("--u", "u", metavar="U1,U2", help="Replay: the random numbers.")
 @click.option("--wi", metavar="X,Y,Z", help="Replay: the direction, in place of random numbers.")
@@ -66,21 +61,7 @@ def check(
         return
     if u is not None or wi is not None:
         raise BadInput(Problem("wo", None, "a view, where --u or --wi is given"))
-    from service.reports import require_report, write_report
-
-    for path in reports:
-        require_report(path)
-    result: dict[str, Any] = {}
-
-    def compute() -> dict[str, Any]:
-        result.update(_run("check", arguments))
-        for path in reports:
-            write_report(result, path)
-        return result
-
-    deliver("check", compute, format_, outputs)
-    if result["status"] == "fail":
-        sys.exit(EXIT_FAILED)
+    deliver_with_reports("check", lambda: _run("check", arguments), reports, format_, outputs)
 
 
 def _run(task: str, arguments: dict[str, Any]) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from service.cli.delivery import ProgressLine, deliver
-from service.cli.options import integer, names, number, output_options, scene_data, scene_options
+from service.cli.options import given, integer, names, number, output_options, scene_data, scene_options
 from service.cli.own_file import answer_for_files, scene_texts
 from service.convergence.scene import ConvergenceScene, parse_convergence_scene
 
@@ -48,17 +48,12 @@ def converge(
     The other options of a scene (--statistics, --tolerance, --no-error-bars, --no-reference) are accepted and play no
     part.
     """
-    data = scene_data(method=None, **options)
-    data |= {
-        name: value
-        for name, value in {
-            "target_error": number("target_error", target_error),
-            "replicates": integer("replicates", replicates),
-            "estimators": names(method),
-            "efficiency_over": names(efficiency_over),
-        }.items()
-        if value is not None
-    }
+    data = scene_data(method=None, **options) | given(
+        target_error=number("target_error", target_error),
+        replicates=integer("replicates", replicates),
+        estimators=names(method),
+        efficiency_over=names(efficiency_over),
+    )
     if files := scene_texts(data):
         deliver("convergence", lambda: answer_for_files("convergence", files, data, device), format_, outputs)
         return

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import sys
 from functools import partial
 from typing import Any
 
 import click
 
-from service.cli.delivery import StageLine, deliver
-from service.cli.options import output_options, scene_data, scene_options
+from service.cli.delivery import StageLine, deliver_with_reports
+from service.cli.options import output_options, report_option, scene_data, scene_options
 from service.cli.own_file import answer_for_files, scene_texts
 from service.scene import parse_scene
 
-EXIT_FAILED = 1
 IDLE = dict.fromkeys(
     (
         "--zip",
@@ -33,9 +31,7 @@ IDLE = dict.fromkeys(
 
 @click.command(short_help="Where float32 leaves the truth: stiff and extreme cases.")
 @partial(scene_options, helps=IDLE)
-@click.option(
-    "--report", "reports", multiple=True, metavar="FILE", help="Report card as .html, .json or .md; repeatable."
-)
+@report_option
 @partial(output_options, formats="table, json, csv")
 def stability(
     reports: tuple[str, ...], format_: str | None, outputs: tuple[str, ...], device: str | None, **options: Any
@@ -47,21 +43,7 @@ def stability(
 
     The other options of a scene (view angles, samples, statistics and so on) are accepted and play no part.
     """
-    from service.reports import require_report, write_report
-
-    for path in reports:
-        require_report(path)
-    result: dict[str, Any] = {}
-
-    def compute() -> dict[str, Any]:
-        result.update(_run(options, device))
-        for path in reports:
-            write_report(result, path)
-        return result
-
-    deliver("stability", compute, format_, outputs)
-    if result["status"] == "fail":
-        sys.exit(EXIT_FAILED)
+    deliver_with_reports("stability", lambda: _run(options, device), reports, format_, outputs)
 
 
 def _run(options: dict[str, Any], device: str | None) -> dict[str, Any]:

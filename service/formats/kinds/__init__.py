@@ -17,7 +17,7 @@ from typing import Any
 
 
 def part(kind: str, name: str) -> Callable[[Any], Any] | None:
-    """Return the function `name` of the file of `kind`, or None where there is no such file or function."""
+    """The function `name` of the file of `kind`, or None where there is no such file or function."""
     module = f"{__name__}.{kind}"
     if not kind.isidentifier() or find_spec(module) is None:
         return None

@@ -29,7 +29,7 @@ def text(result: Mapping[str, Any]) -> str:
         lines.append(f"model {result['model']}" if group is None else f"{group} on {result['model']}")
         for check in result["checks"]:
             if check["technique"] == group:
-                lines += check_lines(check)
+                lines += _check_lines(check)
         lines.append("")
     if result.get("stability"):
         lines += ["edge grid, float32 against float64", *_stability(result["stability"]), ""]
@@ -44,7 +44,7 @@ def _stability(stability: Mapping[str, Any]) -> list[str]:
     """The check of each technique, and how many points are beyond the limit for which reason."""
     lines = []
     for check in stability["checks"]:
-        lines += check_lines(check | {"name": check["technique"]})
+        lines += _check_lines(check | {"name": check["technique"]})
         for e in stability["exceptions"]:
             if e["technique"] == check["technique"]:
                 words = f"{e['quantity']}, {e['points']:,} points up to {e['worst_ulp']:.3g} ulp: {e['reason']}"
@@ -52,7 +52,7 @@ def _stability(stability: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def check_lines(check: Mapping[str, Any]) -> list[str]:
+def _check_lines(check: Mapping[str, Any]) -> list[str]:
     """The lines of one check."""
     head = f"  {_MARKS[check['status']]:<5} {check['name']:<18} "
     lines = textwrap.wrap(check["message"], _WIDTH, initial_indent=head, subsequent_indent=" " * len(head))

@@ -19,7 +19,7 @@ _VALUES = ("samples", "time_ms", "device_ms", "relative_rmse", "variance_relativ
 
 
 def rows(result: Result) -> tuple[list[str], Iterator[list[Any]]]:
-    """Return the columns and one row for each series, angle and count."""
+    """The columns and one row for each series, angle and count."""
     series = result["series"]
     names = list(dict.fromkeys(name for one in series for name in one["parameters"]))
     columns = ["model", "technique", "estimator", *names, "theta_o_deg", *_VALUES, "floor", "call_ns", "status"]
@@ -37,7 +37,7 @@ def rows(result: Result) -> tuple[list[str], Iterator[list[Any]]]:
 
 
 def arrays(result: Result) -> dict[str, np.ndarray]:
-    """Return the columns of `rows`, one value a series, angle and count; a null is NaN."""
+    """The columns of `rows`, one value a series, angle and count; a null is NaN."""
     import numpy as np
 
     from service.formats import strict_json
@@ -46,23 +46,22 @@ def arrays(result: Result) -> dict[str, np.ndarray]:
     table = list(zip(*each, strict=True)) or [() for _ in columns]
     out = {}
     for name, values in zip(columns, table, strict=True):
-        text = any(isinstance(value, str) for value in values)
-        plainly = [np.nan if value is None else value for value in values]
-        out[name] = np.array(plainly, dtype=np.str_ if text else np.float64)
+        kind = np.str_ if any(isinstance(value, str) for value in values) else np.float64
+        out[name] = np.array([np.nan if value is None else value for value in values], dtype=kind)
     for name in ("scene", "ranking", "efficiency", "run"):
         out[name] = np.array(strict_json.line(result.get(name)), dtype=np.str_)
     return out
 
 
 def chart(result: Result) -> AnyChart:
-    """Return error against run time and samples, and the estimators side by side."""
+    """Error against run time and samples, and the estimators side by side."""
     from service.figures.convergence import convergence_chart
 
     return convergence_chart(result)
 
 
 def text(result: Result) -> str:
-    """Return cost, slopes and times to the target, the ranking and the efficiency table for a terminal."""
+    """Cost, slopes and times to the target, the ranking and the efficiency table for a terminal."""
     target = result["target_error"]
     parts = [f"error against run time, relative RMS error of the directional albedo, target {target:.3g}"]
     fitted = [one for one in result["series"] if "slope" in one]

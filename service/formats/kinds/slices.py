@@ -12,7 +12,7 @@ Result = Mapping[str, Any]
 
 
 def rows(result: Result) -> tuple[list[str], Iterator[list[Any]]]:
-    """Return the columns and one row for each series and light angle."""
+    """The columns and one row for each series and light angle."""
     names = list(dict.fromkeys(name for one in result["series"] for name in one["parameters"]))
 
     def each() -> Iterator[list[Any]]:
@@ -26,7 +26,7 @@ def rows(result: Result) -> tuple[list[str], Iterator[list[Any]]]:
 
 
 def arrays(result: Result) -> dict[str, np.ndarray]:
-    """Return float64 arrays of shape (series, light angles), and names and view angles of shape (series,)."""
+    """Float64 arrays of shape (series, light angles), and names and view angles of shape (series,)."""
     import numpy as np
 
     series = result["series"]
@@ -36,14 +36,15 @@ def arrays(result: Result) -> dict[str, np.ndarray]:
 
 
 def text(result: Result) -> str:
-    """Return tables at some light angles: f cos(theta_i) of each model, the density of each technique."""
+    """Tables at some light angles: f cos(theta_i) of each model, the density of each technique."""
     series = result["series"]
     angles = series[0]["theta_i_deg"]
     shown = range(0, len(angles), max(1, len(angles) // 12))
     lines = ["in 1/sr, over theta_i in degrees; positive angles are on the view's side"]
     for title, name, column in (("f cos(theta_i)", "model", "value"), ("density", "technique", "pdf")):
-        rows = {f"{one[name]:<22}{one['theta_o_deg']:>8.4g}" + _values(one[column], shown): None for one in series}
-        lines += ["", f"{title:<22}{'theta_o':>8}" + "".join(f"{angles[k]:>8.0f}" for k in shown), *rows]
+        lines += ["", f"{title:<22}{'theta_o':>8}" + "".join(f"{angles[k]:>8.0f}" for k in shown)]
+        each = (f"{one[name]:<22}{one['theta_o_deg']:>8.4g}" + _values(one[column], shown) for one in series)
+        lines += dict.fromkeys(each)  # a model's values are the same for every technique
     return "\n".join(lines) + "\n"
 
 

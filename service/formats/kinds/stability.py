@@ -19,13 +19,13 @@ def text(result: Mapping[str, Any]) -> str:
     """The verdict of each technique, its regions, exceptions and stiffest places."""
     lines = []
     for technique in dict.fromkeys(check["technique"] for check in result["checks"]):
-        lines += technique_lines(result, technique)
+        lines += _technique_lines(result, technique)
     run = result["run"]
     lines.append(f"{run['device']}, {run['elapsed_ms'] / 1e3:.1f} s")
     return "\n".join(lines) + "\n"
 
 
-def technique_lines(result: Mapping[str, Any], technique: str) -> list[str]:
+def _technique_lines(result: Mapping[str, Any], technique: str) -> list[str]:
     """What a stability result says of one technique."""
     (check,) = (c for c in result["checks"] if c["technique"] == technique)
     lines = [f"{technique}: {check['status']}, {check['message']}", ""]
@@ -47,7 +47,7 @@ def technique_lines(result: Mapping[str, Any], technique: str) -> list[str]:
             + (")" if of_direction is None else f", of the direction: {of_direction:.3g} ulp)"),
             _WIDTH, initial_indent="    ", subsequent_indent="      ",
         )  # fmt: skip
-        lines += textwrap.wrap(place(e["worst"]), _WIDTH, initial_indent="      at ", subsequent_indent="         ")
+        lines += textwrap.wrap(_place(e["worst"]), _WIDTH, initial_indent="      at ", subsequent_indent="         ")
     lines += ["", f"  {'condition number':<20}{'of':<16}{'median':>10}{'worst':>12}   at"]
     for c in result["stiffness"]:
         if c["technique"] == technique:
@@ -58,7 +58,7 @@ def technique_lines(result: Mapping[str, Any], technique: str) -> list[str]:
     return lines
 
 
-def place(worst: Mapping[str, Any]) -> str:
+def _place(worst: Mapping[str, Any]) -> str:
     """The worst point: inputs, value and truth."""
     inputs = worst["inputs"]
     kind = "u" if "u_bits" in inputs else "wi"

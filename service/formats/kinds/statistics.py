@@ -16,7 +16,7 @@ Result = Mapping[str, Any]
 
 
 def rows(result: Result) -> tuple[list[str], Iterator[list[Any]]]:
-    """Return the columns and one row for each series and angle; what was not computed has no column."""
+    """The columns and one row for each series and angle; what was not computed has no column."""
     series = read(result)
     parameters = parameter_names(series)
     statistics = [name for name in STATISTICS if any(one.values(name) is not None for one in series)]
@@ -46,7 +46,7 @@ def rows(result: Result) -> tuple[list[str], Iterator[list[Any]]]:
 
 
 def arrays(result: Result) -> dict[str, np.ndarray]:
-    """Return float64 arrays of shape (series, angles), names of shape (series,) and JSON strings.
+    """Float64 arrays of shape (series, angles), names of shape (series,) and JSON strings.
 
     A null is NaN; counts are int64 where no count is null. Parameters are `parameter_NAME` of shape (series,).
     """
@@ -90,14 +90,14 @@ def _number(value: Any) -> float:
 
 
 def chart(result: Result) -> AnyChart:
-    """Return variance, max weight and mean weight over the view angle, side by side."""
+    """Variance, max weight and mean weight over the view angle, side by side."""
     from service.figures import statistics_chart
 
     return statistics_chart(result)
 
 
 def text(result: Result) -> str:
-    """Return the tables and the summary for a terminal of 120 columns."""
+    """The tables and the summary for a terminal of 120 columns."""
     from service.formats.table import statistics_table
 
     return statistics_table(result)

@@ -12,13 +12,13 @@ _COLUMNS = ("model", "technique", "task", "call_ns", "empty_ns", "paper_ns")
 
 
 def rows(result: Result) -> tuple[list[str], Iterator[list[Any]]]:
-    """Return the columns and one row for each loop that was timed."""
+    """The columns and one row for each loop that was timed."""
     columns = [*_COLUMNS, "quartile_low_ns", "quartile_high_ns"]
     return columns, ([*(row[name] for name in _COLUMNS), *row["call_ns_quartiles"]] for row in result["rows"])
 
 
 def text(result: Result) -> str:
-    """Return the table for a terminal: ns a call on one driver thread, with quartiles, beside the paper's."""
+    """The table for a terminal: ns a call on one driver thread, with quartiles, beside the paper's."""
     run = result["run"]
     widths = [max(len(row[name] or "-") for row in result["rows"]) + 2 for name in ("model", "technique")]
     lines = [

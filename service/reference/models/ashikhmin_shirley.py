@@ -2,22 +2,22 @@
 
 import numpy as np
 
+from service.reference.directions import both_above, equal_elevations, larger_cosine
 from service.reference.entry import Array, Kinks, Parameters
 from service.reference.half_vector import half_vector, phong, phong_lobe, schlick
 
 
 def brdf(wi: Array, wo: Array, parameters: Parameters) -> Array:
     """Value in 1/sr for directions of shape (..., 3); 0 where either is not above the horizon."""
-    cos_i, cos_o = wi[..., 2], wo[..., 2]
-    above = (cos_i > 0.0) & (cos_o > 0.0)
+    above = both_above(wi, wo)
     h = half_vector(wi, wo)
     lobe = schlick(parameters["f0"], h.to_view) * phong(h, parameters["nu"], parameters["nv"])
-    return np.where(above, lobe / np.where(above, 4.0 * h.to_view * np.maximum(cos_i, cos_o), 1.0), 0.0)
+    return np.where(above, lobe / np.where(above, 4.0 * h.to_view * larger_cosine(wi, wo), 1.0), 0.0)
 
 
 def kinks(wo: Array, parameters: Parameters) -> Kinks:
     """The larger cosine changes sides where the elevations are equal."""
-    return Kinks(elevations=(float(np.arctan2(wo[2], np.hypot(wo[0], wo[1]))),))
+    return equal_elevations(wo)
 
 
 def half_vector_lobes(parameters: Parameters) -> tuple[tuple[float, float], ...]:

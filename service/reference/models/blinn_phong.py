@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from service.reference.directions import both_above
 from service.reference.entry import Array, Kinks, Parameters
 from service.reference.half_vector import half_vector, phong_lobe, phong_power
 
@@ -9,7 +10,7 @@ from service.reference.half_vector import half_vector, phong_lobe, phong_power
 def brdf(wi: Array, wo: Array, parameters: Parameters) -> Array:
     """Value in 1/sr for directions of shape (..., 3); 0 where either is not above the horizon."""
     n = parameters["n"]
-    above = (wi[..., 2] > 0.0) & (wo[..., 2] > 0.0)
+    above = both_above(wi, wo)
     scale = parameters["ks"] * (n + 2.0) * (n + 4.0) / (8.0 * np.pi * (2.0 ** (-n / 2.0) + n))
     return np.where(above, scale * phong_power(half_vector(wi, wo), n, n), 0.0)
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from service.reference.directions import both_above, elevation
 from service.reference.entry import Array, Kinks, Parameters
 from service.reference.half_vector import beckmann, half_vector, schlick
 
@@ -9,7 +10,7 @@ from service.reference.half_vector import beckmann, half_vector, schlick
 def brdf(wi: Array, wo: Array, parameters: Parameters) -> Array:
     """Value in 1/sr for directions of shape (..., 3); 0 where either is not above the horizon."""
     cos_i, cos_o = wi[..., 2], wo[..., 2]
-    above = (cos_i > 0.0) & (cos_o > 0.0)
+    above = both_above(wi, wo)
     h = half_vector(wi, wo)
     shadowing = np.minimum(1.0, 2.0 * h.cosine * np.minimum(cos_i, cos_o) / np.where(above, h.to_view, 1.0))
     lobe = schlick(parameters["f0"], h.to_view) * beckmann(h, parameters["mx"], parameters["my"]) * shadowing
@@ -27,8 +28,7 @@ def kinks(wo: Array, parameters: Parameters) -> Kinks:
         h = half_vector(wi, wo)
         return np.asarray(2.0 * h.cosine * wo[2] - h.to_view)
 
-    equal = float(np.arctan2(wo[2], np.hypot(wo[0], wo[1])))
-    return Kinks(elevations=(equal,), surfaces=(shadowed, masked))
+    return Kinks(elevations=(elevation(wo),), surfaces=(shadowed, masked))
 
 
 def half_vector_lobes(parameters: Parameters) -> tuple[tuple[float, float], ...]:

@@ -5,6 +5,7 @@ The fit exceeds one near the horizon, where the clamp of listing 1 takes over: a
 
 import numpy as np
 
+from service.reference.directions import both_above
 from service.reference.entry import Array, Kinks, Parameters
 from service.reference.models import fon
 from service.reference.models.eon import multiple_albedo
@@ -25,16 +26,16 @@ def _missing(mu: Array | float, roughness: float) -> Array:
 
 
 def _lobe_scale(parameters: Parameters) -> float:
-    roughness = parameters.get("roughness", 1.0)
+    roughness = parameters["roughness"]
     average_missing = peak_factor(roughness) * roughness * (C1 - C2)
     return multiple_albedo(parameters) / max(average_missing, CLAMP)
 
 
 def brdf(wi: Array, wo: Array, parameters: Parameters) -> Array:
     """Value in 1/sr for directions of shape (..., 3); 0 where either is not above the horizon."""
-    roughness = parameters.get("roughness", 1.0)
+    roughness = parameters["roughness"]
     missing = _missing(wi[..., 2], roughness) * _missing(wo[..., 2], roughness)
-    above = (wi[..., 2] > 0.0) & (wo[..., 2] > 0.0)
+    above = both_above(wi, wo)
     lobe = np.where(above, _lobe_scale(parameters) / np.pi * missing, 0.0)
     return fon.brdf(wi, wo, parameters) + lobe
 
@@ -61,13 +62,13 @@ def _average_missing(roughness: float) -> float:
 
 
 def directional_albedo(mu: Array | float, parameters: Parameters) -> Array:
-    """Albedo for views of cosine ``mu``: exact in the FON part, the fit's own average in the lobe."""
-    roughness = parameters.get("roughness", 1.0)
+    """Albedo for views of cosine `mu`: exact in the FON part, the fit's own average in the lobe."""
+    roughness = parameters["roughness"]
     lobe = _lobe_scale(parameters) * _missing(mu, roughness) * _average_missing(roughness)
     return np.asarray(fon.directional_albedo(mu, parameters) + lobe)
 
 
 def kinks(wo: Array, parameters: Parameters) -> Kinks:
     """Those of FON, and the elevation at which the clamp sets in."""
-    clamp = float(np.arcsin(clamp_cosine(parameters.get("roughness", 1.0))))
+    clamp = float(np.arcsin(clamp_cosine(parameters["roughness"])))
     return Kinks(elevations=(*fon.kinks(wo, parameters).elevations, clamp))

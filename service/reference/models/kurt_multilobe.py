@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from service.reference.directions import both_above
 from service.reference.entry import Array, Kinks, Parameters
 from service.reference.half_vector import half_vector, schlick
 from service.reference.kurt_lobe import kurt_lobe
@@ -10,7 +11,7 @@ from service.reference.kurt_lobe import kurt_lobe
 def brdf(wi: Array, wo: Array, parameters: Parameters) -> Array:
     """Value in 1/sr for directions of shape (..., 3); 0 where either is not above the horizon."""
     h = half_vector(wi, wo)
-    above = (wi[..., 2] > 0.0) & (wo[..., 2] > 0.0)
+    above = both_above(wi, wo)
     value = np.where(above, parameters["kd"] / np.pi, 0.0)
     for k in "12":
         ks, f0, mx, my, alpha = (parameters[name + k] for name in ("ks", "f0", "mx", "my", "alpha"))

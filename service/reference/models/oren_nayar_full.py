@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from service.reference.directions import both_above, equal_elevations
 from service.reference.entry import Array, Kinks, Parameters
-from service.reference.oren_nayar import above, equal_elevations, ratio
+from service.reference.oren_nayar import ratio
 
 
 def brdf(wi: Array, wo: Array, parameters: Parameters) -> Array:
@@ -18,7 +19,7 @@ def brdf(wi: Array, wo: Array, parameters: Parameters) -> Array:
     c3 = 0.125 * ratio(sigma, 0.09) * (4.0 * a * b / np.pi**2) ** 2
     direct = c1 + cos_phi * c2 * np.tan(b) + (1.0 - np.abs(cos_phi)) * c3 * np.tan(0.5 * (a + b))
     again = 0.17 * albedo * ratio(sigma, 0.13) * (1.0 - cos_phi * (2.0 * b / np.pi) ** 2)
-    return np.where(above(wi, wo), albedo / np.pi * (direct + again), 0.0)
+    return np.where(both_above(wi, wo), albedo / np.pi * (direct + again), 0.0)
 
 
 def kinks(wo: Array, parameters: Parameters) -> Kinks:

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from service.reference.directions import both_above, equal_elevations, larger_cosine
 from service.reference.entry import Array, Kinks, Parameters
 from service.reference.models.qon import slope
 from service.reference.models.qon_footnote import amplitude
-from service.reference.oren_nayar import above, equal_elevations, larger_cosine
 
 
 def brdf(wi: Array, wo: Array, parameters: Parameters) -> Array:
@@ -14,11 +14,11 @@ def brdf(wi: Array, wo: Array, parameters: Parameters) -> Array:
     sin_i, sin_o = np.hypot(wi[..., 0], wi[..., 1]), np.hypot(wo[..., 0], wo[..., 1])
     shape = np.maximum(cos_i * cos_o + sin_i * sin_o, 0.0) * sin_i * sin_o / larger_cosine(wi, wo)
     value = amplitude(parameters["sigma"]) + slope(parameters["sigma"]) * shape
-    return np.where(above(wi, wo), parameters["albedo"] / np.pi * value, 0.0)
+    return np.where(both_above(wi, wo), parameters["albedo"] / np.pi * value, 0.0)
 
 
 def directional_albedo(mu: Array | float, parameters: Parameters) -> Array:
-    """Albedo for views of cosine ``mu``, integrated over polar angles of wi below and above that of wo."""
+    """Albedo for views of cosine `mu`, integrated over polar angles of wi below and above that of wo."""
     cos, sigma = np.asarray(mu), parameters["sigma"]
     sin = np.sqrt((1.0 - cos) * (1.0 + cos))
     theta = np.arctan2(sin, cos)

@@ -1,17 +1,8 @@
-"""The qualitative Oren-Nayar model (EON paper, eq. 1 to 7): rho / pi (A + B max(0, s) / max(cos_i, cos_o))."""
+"""The qualitative Oren-Nayar model (the EON paper, eq. 1 to 9): rho / pi (A + B max(0, s) / max(cos_i, cos_o))."""
 
-import numpy as np
-
+from service.reference.directions import equal_elevations
 from service.reference.entry import Array, Kinks, Parameters
-from service.reference.oren_nayar import (
-    QUALITATIVE_AVERAGE,
-    above,
-    equal_elevations,
-    larger_cosine,
-    qualitative_shape,
-    ratio,
-    tangential_dot,
-)
+from service.reference.oren_nayar import qualitative_albedo, qualitative_average, qualitative_brdf, ratio
 
 
 def amplitude(sigma: float) -> float:
@@ -26,21 +17,20 @@ def slope(sigma: float) -> float:
 
 def brdf(wi: Array, wo: Array, parameters: Parameters) -> Array:
     """Value in 1/sr for directions of shape (..., 3); 0 where either is not above the horizon."""
-    shape = np.maximum(tangential_dot(wi, wo), 0.0) / larger_cosine(wi, wo)
-    value = amplitude(parameters["sigma"]) + slope(parameters["sigma"]) * shape
-    return np.where(above(wi, wo), parameters["albedo"] / np.pi * value, 0.0)
+    sigma = parameters["sigma"]
+    return qualitative_brdf(wi, wo, parameters["albedo"], amplitude(sigma), slope(sigma))
 
 
 def directional_albedo(mu: Array | float, parameters: Parameters) -> Array:
-    """Albedo for views of cosine ``mu``: rho (A + B Gq / pi)."""
+    """Albedo for views of cosine `mu`."""
     sigma = parameters["sigma"]
-    return np.asarray(parameters["albedo"] * (amplitude(sigma) + slope(sigma) * qualitative_shape(mu) / np.pi))
+    return qualitative_albedo(mu, parameters["albedo"], amplitude(sigma), slope(sigma))
 
 
 def average_albedo(parameters: Parameters) -> float:
-    """Albedo averaged over views by their cosine: rho (A + (2/3 - 64/(45 pi)) B) (eq. 9)."""
+    """Albedo averaged over views by their cosine."""
     sigma = parameters["sigma"]
-    return parameters["albedo"] * (amplitude(sigma) + QUALITATIVE_AVERAGE * slope(sigma))
+    return qualitative_average(parameters["albedo"], amplitude(sigma), slope(sigma))
 
 
 def kinks(wo: Array, parameters: Parameters) -> Kinks:

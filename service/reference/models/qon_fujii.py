@@ -2,17 +2,11 @@
 
 import numpy as np
 
+from service.reference.directions import both_above, equal_elevations, larger_cosine, tangential_dot
 from service.reference.entry import Array, Kinks, Parameters
 from service.reference.models.fon import C2
 from service.reference.models.qon import slope
-from service.reference.oren_nayar import (
-    above,
-    equal_elevations,
-    larger_cosine,
-    qualitative_shape,
-    ratio,
-    tangential_dot,
-)
+from service.reference.oren_nayar import qualitative_shape, ratio
 
 
 def amplitude(sigma: float, albedo: float) -> float:
@@ -25,11 +19,11 @@ def brdf(wi: Array, wo: Array, parameters: Parameters) -> Array:
     s = tangential_dot(wi, wo)
     shape = np.where(s > 0.0, s / larger_cosine(wi, wo), s)
     value = amplitude(parameters["sigma"], parameters["albedo"]) + slope(parameters["sigma"]) * shape
-    return np.where(above(wi, wo), parameters["albedo"] / np.pi * value, 0.0)
+    return np.where(both_above(wi, wo), parameters["albedo"] / np.pi * value, 0.0)
 
 
 def directional_albedo(mu: Array | float, parameters: Parameters) -> Array:
-    """Albedo for views of cosine ``mu``: rho (A + B (Gq - 2/3 sin) / pi)."""
+    """Albedo for views of cosine `mu`: rho (A + B (Gq - 2/3 sin) / pi)."""
     mu, sigma, albedo = np.asarray(mu), parameters["sigma"], parameters["albedo"]
     shape = (qualitative_shape(mu) - 2 / 3 * np.sqrt((1.0 - mu) * (1.0 + mu))) / np.pi
     return np.asarray(albedo * (amplitude(sigma, albedo) + slope(sigma) * shape))

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from service.reference.directions import both_above
 from service.reference.entry import Array, Kinks, Parameters
 from service.reference.half_vector import beckmann_exponential, half_vector
 
@@ -9,7 +10,7 @@ from service.reference.half_vector import beckmann_exponential, half_vector
 def brdf(wi: Array, wo: Array, parameters: Parameters) -> Array:
     """Value in 1/sr for directions of shape (..., 3); 0 where either is not above the horizon."""
     cos_i, cos_o = wi[..., 2], wo[..., 2]
-    above = (cos_i > 0.0) & (cos_o > 0.0)
+    above = both_above(wi, wo)
     mx, my = parameters["mx"], parameters["my"]
     q = beckmann_exponential(half_vector(wi, wo), mx, my)
     with np.errstate(divide="ignore", invalid="ignore"):

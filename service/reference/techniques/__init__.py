@@ -1,1 +1,1 @@
-"""Float64 references of sampling techniques, one file each; the file name is the name with ``-`` as ``_``."""
+"""Float64 references of sampling techniques, one file each; the file name is the name with `-` as `_`."""

@@ -12,7 +12,7 @@ from service.reference.half_vector import (
 
 
 def density(wo: Array, wi: Array, parameters: Parameters) -> Array:
-    """Density in 1/sr of ``wi``, shape (..., 3), above the horizon and below."""
+    """Density in 1/sr of `wi`, shape (..., 3), above the horizon and below."""
     h = half_vector(wi, wo)
     return reflected_density(beckmann(h, parameters["mx"], parameters["my"]) * h.cosine, h)
 

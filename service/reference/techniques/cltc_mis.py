@@ -8,18 +8,18 @@ from service.reference.transformed_cosine import Lobe, eon_lobe, lobe_density, l
 
 
 def uniform_probability(mu: Array, roughness: float) -> Array:
-    """Probability of the uniform hemisphere for views of cosine ``mu``; 0 at roughness 0."""
+    """Probability of the uniform hemisphere for views of cosine `mu`; 0 at roughness 0."""
     fit = 0.162925 + mu * (-0.372058 + (0.538233 - 0.290822 * mu) * mu)
     return np.asarray(roughness**0.1 * fit)
 
 
 def _parts(wo: Array, parameters: Parameters) -> tuple[Lobe, Array]:
-    roughness = parameters.get("roughness", 1.0)
+    roughness = parameters["roughness"]
     return eon_lobe(wo, roughness, clipped=True), uniform_probability(wo[..., 2], roughness)
 
 
 def density(wo: Array, wi: Array, parameters: Parameters) -> Array:
-    """Density in 1/sr of ``wi``, shape (..., 3), for views ``wo`` that broadcast."""
+    """Density in 1/sr of `wi`, shape (..., 3), for views `wo` that broadcast."""
     lobe, probability = _parts(wo, parameters)
     spread = uniform.density(wo, wi, parameters)
     return np.asarray(probability * spread + (1.0 - probability) * lobe_density(lobe, wo, wi))

@@ -6,7 +6,7 @@ from service.reference.entry import Array, Kinks, Parameters
 
 
 def density(wo: Array, wi: Array, parameters: Parameters) -> Array:
-    """Density in 1/sr of ``wi``, shape (..., 3)."""
+    """Density in 1/sr of `wi`, shape (..., 3)."""
     return np.maximum(wi[..., 2], 0.0) / np.pi
 
 

@@ -3,18 +3,19 @@
 import numpy as np
 
 from service.reference.entry import Array, Kinks, Parameters
-from service.reference.half_vector import shares
 from service.reference.techniques import beckmann_half_vector as single
 
 
 def _lobes(parameters: Parameters) -> list[tuple[float, Parameters]]:
-    """Probability and slopes of each lobe."""
+    """Probability, by its share of the reflectance, and slopes of each lobe."""
+    both = parameters["ks1"] + parameters["ks2"]
+    shares = [parameters[f"ks{k}"] / both if both > 0.0 else 0.5 for k in (1, 2)]
     slopes = [{"mx": parameters[f"mx{k}"], "my": parameters[f"my{k}"]} for k in (1, 2)]
-    return list(zip(shares(parameters["ks1"], parameters["ks2"]), slopes, strict=True))
+    return list(zip(shares, slopes, strict=True))
 
 
 def density(wo: Array, wi: Array, parameters: Parameters) -> Array:
-    """Density in 1/sr of ``wi``, shape (..., 3), above the horizon and below."""
+    """Density in 1/sr of `wi`, shape (..., 3), above the horizon and below."""
     return np.asarray(sum(share * single.density(wo, wi, lobe) for share, lobe in _lobes(parameters)))
 
 

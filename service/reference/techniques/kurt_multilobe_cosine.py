@@ -9,7 +9,7 @@ __all__ = ["below_horizon", "density", "half_vector_lobes", "kinks", "sample"]
 
 
 def density(wo: Array, wi: Array, parameters: Parameters) -> Array:
-    """Density in 1/sr of ``wi``, shape (..., 3), above the horizon and below."""
+    """Density in 1/sr of `wi`, shape (..., 3), above the horizon and below."""
     return cosine_mixture.density(lobe, wo, wi, parameters)
 
 

@@ -5,11 +5,11 @@ from service.reference.transformed_cosine import Lobe, eon_lobe, lobe_density, l
 
 
 def _lobe(wo: Array, parameters: Parameters) -> Lobe:
-    return eon_lobe(wo, parameters.get("roughness", 1.0))
+    return eon_lobe(wo, parameters["roughness"])
 
 
 def density(wo: Array, wi: Array, parameters: Parameters) -> Array:
-    """Density in 1/sr of ``wi``, shape (..., 3), for views ``wo`` that broadcast; positive below the horizon too."""
+    """Density in 1/sr of `wi`, shape (..., 3), for views `wo` that broadcast; positive below the horizon too."""
     return lobe_density(_lobe(wo, parameters), wo, wi)
 
 

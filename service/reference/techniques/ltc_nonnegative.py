@@ -5,11 +5,11 @@ from service.reference.transformed_cosine import Lobe, eon_lobe, lobe_density, s
 
 
 def _lobe(wo: Array, parameters: Parameters) -> Lobe:
-    return eon_lobe(wo, parameters.get("roughness", 1.0), shear_z=False)
+    return eon_lobe(wo, parameters["roughness"], shear_z=False)
 
 
 def density(wo: Array, wi: Array, parameters: Parameters) -> Array:
-    """Density in 1/sr of ``wi``, shape (..., 3), for views ``wo`` that broadcast."""
+    """Density in 1/sr of `wi`, shape (..., 3), for views `wo` that broadcast."""
     return lobe_density(_lobe(wo, parameters), wo, wi)
 
 

@@ -9,7 +9,7 @@ from service.reference.entry import Array, Kinks, Parameters
 
 
 def density(wo: Array, wi: Array, parameters: Parameters) -> Array:
-    """Density in 1/sr of ``wi``, shape (..., 3)."""
+    """Density in 1/sr of `wi`, shape (..., 3)."""
     return np.where(wi[..., 2] >= 0.0, 1.0 / (2.0 * np.pi), 0.0)
 
 

@@ -5,6 +5,7 @@ import itertools
 import json
 import os
 import signal
+import time
 
 import pytest
 from http_server import HUGE, LONG, PATIENCE_S, SMALL
@@ -155,6 +156,21 @@ def test_a_worker_that_is_killed_with_a_guest_costs_both_and_is_replaced():
         assert (await small.future).head["say"] == "done"
 
     with_lane(use)
+
+
+def test_a_worker_that_hangs_is_found_out_while_tasks_keep_coming():
+    async def use(lane):
+        os.kill(lane.worker.process.pid, signal.SIGSTOP)
+        end = time.monotonic() + PATIENCE_S
+        tasks = []
+        while not lane.restarts and time.monotonic() < end:
+            tasks.append(task(SMALL, tries=2))
+            lane.submit(tasks[-1])
+            await asyncio.sleep(0.1)
+        assert len(tasks) < 50
+        assert {(await one.future).head["say"] for one in tasks} == {"done"}
+
+    with_lane(use, beat_timeout_s=1.0, limit=10**6)
 
 
 def test_a_full_queue_refuses_and_cancelled_tasks_leave_it():

@@ -63,6 +63,7 @@ def test_every_bad_field_of_a_link_is_named_too(server):
         ("DELETE", "/v1/jobs/none", {}, 404),
         ("GET", "/v1/jobs/none/events", {}, 404),
         ("GET", "/v1/jobs/none/result", {}, 404),
+        ("GET", "/v1/jobs/", {}, 404),
         ("PUT", "/v1/statistics", {}, 405),
         ("GET", "/v1/statistics?model=eon", {"headers": {"accept": "image/webp"}}, 406),
         ("GET", "/v1/statistics?model=none", {}, 422),
@@ -72,6 +73,8 @@ def test_every_bad_field_of_a_link_is_named_too(server):
         ("POST", "/v1/statistics", {"content": "[" * 100_000, "headers": {"content-type": "application/json"}}, 400),
         ("POST", "/v1/statistics", {"content": '{"model": NaN}', "headers": {"content-type": "application/json"}}, 400),
         ("POST", "/v1/statistics", {"content": b"\xff\xfe{", "headers": {"content-type": "application/json"}}, 400),
+        ("POST", "/v1/statistics", {"content": "{1: 2}", "headers": {"content-type": "application/json"}}, 400),
+        ("POST", "/v1/statistics", {"json": {f"a{k}": 0 for k in range(1001)}}, 400),
         ("POST", "/v1/statistics", {"json": []}, 422),
         ("POST", "/v1/statistics", {"json": {"model": "\ud800"}}, 422),
         ("POST", "/v1/statistics", {"json": {"model": "eon", "parameters": {"roughness": 1e400}}}, 422),
@@ -85,6 +88,32 @@ def test_bad_requests_are_problems_of_the_right_status(server, method, path, mor
         body = json.dumps(more["json"]).replace("Infinity", "1e400")
         more = {"content": body, "headers": {"content-type": "application/json"}}
     problem(server.client.request(method, path, **more), status)
+
+
+def test_a_name_given_twice_is_told_in_a_body_as_in_a_link(server):
+    body = '{"model": "eon", "estimator": {"seed": 1, "seed": 2}}'
+    reply = server.client.post("/v1/statistics", content=body, headers={"content-type": "application/json"})
+    assert "'seed' is given more than once" in problem(reply, 400)["detail"]
+
+
+def test_many_wrong_fields_of_a_link_are_told_without_holding_up_others(server):
+    link = "/v1/statistics?model=eon&" + "&".join(f"a{k}=" for k in range(8000))
+    reply = server.client.get(link)
+    assert len(problem(reply, 422)["errors"]) == 8000
+    (taken,) = (line["elapsed_ms"] for line in server.lines() if line.get("request_id") == reply.json()["request_id"])
+    assert taken < 1000  # a search of all names for each of them takes longer
+
+
+def test_a_method_that_a_path_lacks_is_answered_with_all_that_it_has(server):
+    for path, allowed in (
+        ("/v1/statistics", {"GET", "HEAD", "POST"}),
+        ("/v1/jobs/none", {"GET", "HEAD", "DELETE"}),
+        ("/v1/own/check", {"POST"}),
+        ("/healthz", {"GET", "HEAD"}),
+    ):
+        reply = server.client.request("OPTIONS", path)
+        problem(reply, 405)
+        assert set(reply.headers["allow"].split(", ")) == allowed
 
 
 @pytest.mark.parametrize("declared", [True, False])

@@ -30,8 +30,10 @@ def a_job(number, state="queued"):
 def test_what_came_first_under_a_key_stays(opened):
     store = opened()
     first, second = Stored.of(b"first"), Stored.of(b"second")
-    assert store.keep_result("key", first) == first
-    assert store.keep_result("key", second) == first
+    for one in (first, second):
+        store.keep_results({"key": one})
+        assert store.result("key") == first
+    store.finish_job(replace(a_job(1), key="key"), second)
     assert store.result("key") == first
     assert first.etag != second.etag
 
@@ -39,18 +41,18 @@ def test_what_came_first_under_a_key_stays(opened):
 def test_results_beyond_the_limit_go_least_recently_used_first(opened):
     store = opened(limit_bytes=350)
     for number in range(3):
-        store.keep_result(f"key{number}", Stored.of(bytes([number]) * 100))
+        store.keep_results({f"key{number}": Stored.of(bytes([number]) * 100)})
         time.sleep(0.002)
     assert store.result("key0") is not None  # used now
     time.sleep(0.002)
-    store.keep_result("key3", Stored.of(b"3" * 100))
+    store.keep_results({"key3": Stored.of(b"3" * 100)})
     store.prune()
     assert [number for number in range(4) if store.result(f"key{number}")] == [0, 2, 3]
 
 
 def test_old_results_and_old_finished_jobs_go_and_unfinished_jobs_stay(opened):
     store = opened(max_age_s=0.05)
-    store.keep_result("key", Stored.of(b"old"))
+    store.keep_results({"key": Stored.of(b"old")})
     store.keep_job(a_job(1, "done"))
     store.keep_job(a_job(2, "running"))
     time.sleep(0.1)
@@ -97,7 +99,7 @@ def test_a_second_server_is_refused_and_a_closed_one_gives_the_folder_free(tmp_p
     store = opened()
     with pytest.raises(BadInput, match="no other server"):
         opened()
-    store.keep_result("key", Stored.of(b"kept"))
+    store.keep_results({"key": Stored.of(b"kept")})
     store.close()
     again = Store(tmp_path, 10**6, 1000.0, 10)
     assert again.result("key") == Stored.of(b"kept")
@@ -107,7 +109,7 @@ def test_a_second_server_is_refused_and_a_closed_one_gives_the_folder_free(tmp_p
 def test_a_damaged_file_is_put_aside(tmp_path):
     (tmp_path / "results-1.sqlite3").write_bytes(b"not a database" * 1000)
     store = Store(tmp_path, 10**6, 1000.0, 10)
-    store.keep_result("key", Stored.of(b"new"))
+    store.keep_results({"key": Stored.of(b"new")})
     assert store.result("key") is not None
     store.close()
     assert (tmp_path / "results-1.sqlite3.damaged").exists()

@@ -69,9 +69,7 @@ def expected(model: str, technique: str) -> set[str]:
 
 
 def pairs(catalogue: Catalogue) -> list[tuple[str, str]]:
-    """Every model with every technique made for it, and the requests that make sense: the EON paper's lobes on the
-    other diffuse models.
-    """
+    """Every model with every technique made for it, and the EON paper's lobes on the other diffuse models."""
     usual = [(model, technique) for model in catalogue.models for technique in catalogue.techniques_for(model)]
     return usual + [(model, technique) for model in OREN_NAYAR for technique in EON_TECHNIQUES]
 

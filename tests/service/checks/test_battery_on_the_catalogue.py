@@ -1,9 +1,8 @@
 """The battery on the catalogue: real faults are found, and nothing else.
 
 The full battery on every technique of EON, the quick one on a choice of the others; `make bench-checks` runs the full
-one on all.
-Statistical checks fail by chance with a probability of 1e-5 each (`effort.FALSE_ALARM`), three of them a technique; the
-seed is fixed.
+one on all. Statistical checks fail by chance with a probability of 1e-5 each (`effort.FALSE_ALARM`), three of them a
+technique; the seed is fixed.
 """
 
 import re
@@ -12,9 +11,11 @@ from pathlib import Path
 import pytest
 
 from service.catalogue import load_catalogue
-
-from .conftest import failures, outcome
-from .expected_findings import FAULTS, expected, pairs, table
+from service.checks.battery import Battery, run_battery
+from service.checks.outcome import NAMES
+from service.checks.selection import select
+from tests.service.checks.conftest import failures, outcome
+from tests.service.checks.expected_findings import FAULTS, expected, pairs, table
 
 DOCS = Path(__file__).parents[3] / "docs"
 CATALOGUE = load_catalogue()
@@ -91,8 +92,6 @@ def test_models_pass_with_their_usual_techniques(battery, model):
 
 
 def test_every_check_of_the_list_is_made_and_states_its_power(battery):
-    from service.checks.outcome import NAMES
-
     result = battery("cosine", quick=False)
     assert {check["name"] for check in result["checks"]} == set(NAMES)
     assert all(check["power"] for check in result["checks"] if check["status"] != "not-applicable")
@@ -107,9 +106,5 @@ def test_quick_states_a_lower_power(battery):
 
 
 def test_the_same_seed_gives_the_same_result(battery, engine):
-    from service.catalogue import load_catalogue
-    from service.checks.battery import Battery, run_battery
-    from service.checks.selection import select
-
-    again = run_battery(engine, select("cltc", load_catalogue()), Battery(quick=True))
+    again = run_battery(engine, select("cltc", CATALOGUE), Battery(quick=True))
     assert again["checks"] == battery("cltc")["checks"]

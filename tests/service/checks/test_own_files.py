@@ -4,14 +4,13 @@ import json
 import os
 import shlex
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-from .conftest import BROKEN
-from .materialx_file import write as write_materialx
+from tests.service import command_line
+from tests.service.checks.conftest import BROKEN
+from tests.service.checks.materialx_file import write as write_materialx
 
 HEAD = '/*---\nprovides = ["technique"]\nname = "{name}"\ntitle = "Mine"\nsource = "own"\n---*/\n'
 PDF = "float direction_pdf(vec3 wo, vec3 wi) { return INV_PI * max(wi.z, 0.0); }\n"
@@ -20,18 +19,12 @@ ENDLESS = (
     "DirectionSample sample_direction(vec3 wo, vec2 u) { while (true) { u.x += 1.0; } return cosine_hemisphere(u); }\n"
 )
 INCLUDE = '#include "common/hemisphere.glsl"\n'
-
-
 MARK = f"OWN_FILES_OF={os.getpid()}"
 
 
 def samplerscope(*arguments):
-    root = Path(__file__).parents[3]
-    environment = {**os.environ, "PYTHONPATH": str(root)} | dict([MARK.split("=")])
-    return subprocess.run(
-        [sys.executable, "-c", "from service.cli import main; main()", *map(str, arguments)],
-        capture_output=True, text=True, env=environment, timeout=240, check=False,
-    )  # fmt: skip
+    """Run the command line; its processes carry the mark."""
+    return command_line.samplerscope(*arguments, env=dict([MARK.split("=")]))
 
 
 @pytest.fixture
@@ -148,9 +141,7 @@ def test_silence_ends_the_worker(own, monkeypatch):
 
 
 def test_statistics_take_a_file_and_never_the_reference_of_an_entry_of_the_same_name(own):
-    """A file called like a technique of the catalogue, with another density: the catalogue's truth must not judge
-    it.
-    """
+    """A file called like a technique of the catalogue, with another density: that one's truth must not judge it."""
     code = INCLUDE + "DirectionSample sample_direction(vec3 wo, vec2 u) { return uniform_hemisphere(u); }\n"
     path = own(code + "float direction_pdf(vec3 wo, vec3 wi) { return UNIFORM_DENSITY; }\n", "cosine")
     done = samplerscope("stats", "--model", path, "--samples", "20000", "--theta-o-deg", "0,60", "--format", "json")

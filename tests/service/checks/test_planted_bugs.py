@@ -9,8 +9,7 @@ from service.catalogue import load_catalogue
 from service.checks.replaying import parse_floats, replay_inputs
 from service.checks.selection import select
 from service.engine import Engine
-
-from .conftest import BROKEN, failures, outcome
+from tests.service.checks.conftest import BROKEN, failures, outcome
 
 # What must fail, and what else may: one bug often breaks several laws at once.
 MODELS = {

@@ -2,8 +2,6 @@
 
 import io
 import json
-import subprocess
-import sys
 from itertools import pairwise
 
 import numpy as np
@@ -13,6 +11,7 @@ from service.convergence import compute_convergence, parse_convergence_scene
 from service.errors import BadInput
 from service.formats import encode
 from service.scene import parse_scene, resolve
+from tests.service.command_line import samplerscope
 
 UNBIASED = ["cosine", "uniform", "ltc-nonnegative", "cltc-mis"]
 
@@ -183,22 +182,14 @@ def test_the_chart_draws_every_technique_angle_and_estimator(result):
 
 def test_the_command_prints_and_writes(tmp_path):
     target = tmp_path / "study.json"
-    command = [
-        sys.executable,
-        "-c",
-        "from service.cli import main; main()",
-        "converge",
-        "--technique",
-        "cosine,uniform",
-    ]
-    small = ["--theta-o-deg", "30", "--samples", "1024", "--method", "mc,quadrature", "--target-error", "0.02"]
-    done = subprocess.run([*command, *small, "-o", str(target)], capture_output=True, text=True, check=False)
+    small = "--technique cosine,uniform --theta-o-deg 30 --samples 1024 --method mc,quadrature --target-error 0.02"
+    done = samplerscope("converge", *small.split(), "-o", target)
     assert done.returncode == 0, done.stderr
     assert "first to the target" in done.stdout
     written = json.loads(target.read_text())
     assert written["kind"] == "convergence"
     assert written["target_error"] == 0.02
     assert {one["estimator"] for one in written["series"]} == {"mc", "quadrature"}
-    wrong = subprocess.run([*command, "--target-error", "2"], capture_output=True, text=True, check=False)
+    wrong = samplerscope("converge", "--technique", "cosine,uniform", "--target-error", "2")
     assert wrong.returncode == 2
     assert wrong.stderr.strip() == "samplerscope: target_error = 2.0: allowed is a number above 0 and below 1"

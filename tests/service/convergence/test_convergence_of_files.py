@@ -1,8 +1,6 @@
 """A user's own model and technique: their truth comes from their own code in double precision."""
 
 import json
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -11,6 +9,7 @@ from service.catalogue import load_catalogue
 from service.convergence import compute_convergence, parse_convergence_scene
 from service.engine import Engine
 from service.scene import resolve
+from tests.service.command_line import samplerscope
 
 MODEL = """/*---
 provides = ["model"]
@@ -74,9 +73,8 @@ def test_floor_and_curve_of_a_biased_technique_without_a_reference(own, engine):
 def test_the_command_takes_a_file_and_runs_it_apart(tmp_path):
     path = tmp_path / "model.glsl"
     path.write_text(MODEL)
-    words = [sys.executable, "-c", "from service.cli import main; main()", "converge", "--model", str(path)]
-    options = ["--technique", "uniform", "--theta-o-deg", "20", "--samples", "1024", "--method", "qmc,quadrature"]
-    done = subprocess.run([*words, *options, "--format", "json"], capture_output=True, text=True, timeout=120)
+    options = "--technique uniform --theta-o-deg 20 --samples 1024 --method qmc,quadrature --format json"
+    done = samplerscope("converge", "--model", path, *options.split())
     assert done.returncode == 0, done.stderr
     result = json.loads(done.stdout)
     assert result["kind"] == "convergence"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import qmc
 
-from service.random_numbers import _pascal, _reversed_bits, scrambled_sobol_pairs
+from service.random_numbers import _pascal, _reversed_bits, replicate_key, scrambled_sobol_pairs
 
 
 def test_the_unscrambled_sequence_is_that_of_scipy():
@@ -46,8 +46,6 @@ def test_the_device_draws_the_same_points(compute):
         theta_o_deg=[33],
         estimator={"method": "qmc", "samples": 1 << 12, "seed": 4},
     )["series"]
-    from service.random_numbers import replicate_key
-
     u1 = [scrambled_sobol_pairs(replicate_key(4, r, 33.0), np.arange(256, dtype=np.uint64))[:, 0] for r in range(16)]
     assert series["samples"] == 1 << 12
     assert np.isclose(series["mean"][0], 2 * np.mean(np.array(u1, float)), rtol=1e-7)

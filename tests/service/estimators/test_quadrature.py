@@ -7,17 +7,11 @@ import pytest
 
 from service.estimators.cubature import Goal, Values, integrate
 from service.estimators.panels import POINTS
+from tests.service.conftest import column
 
 CONVERGENT = ["cosine", "uniform", "ltc-nonnegative", "cltc-mis"]
 ROUNDING = 2e-6  # of a variance summed from float32 weights
 GRAZING_ROUNDING = 2e-5  # where the weight is f/cos at cos 1e-3: rounding of wi is magnified
-
-
-def column(series, *names):
-    value = series
-    for name in names:
-        value = value[name]
-    return np.array(value, float)
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4])
@@ -85,7 +79,7 @@ def test_powers_of_u_are_integrated_to_their_exact_values():
     assert np.isclose(third + 3 * b * c + 3 * a * c * c + c**3, exact[2], rtol=1e-12)
 
 
-def test_a_jump_on_a_slanted_line_is_enclosed(compute):
+def test_a_jump_on_a_slanted_line_is_enclosed():
     """The indicator of u1 + u2 < 0.7 has mean 0.245; its panels can only shrink around the line."""
 
     def evaluate(given):

@@ -5,10 +5,17 @@ import xml.etree.ElementTree as ET
 import zlib
 
 import pytest
-from statistics_results import a_result, awkward, one_series, paper_angles, roughness_sweep, six_techniques
 
 from service.figures import roughness_chart
 from service.formats import encode
+from tests.service.formats.statistics_results import (
+    a_result,
+    awkward,
+    one_series,
+    paper_angles,
+    roughness_sweep,
+    six_techniques,
+)
 
 
 def png_size_and_shades(png):

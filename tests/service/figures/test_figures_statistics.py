@@ -6,7 +6,11 @@ import math
 import altair
 import jsonschema
 import pytest
-from statistics_results import (
+
+from service.figures import roughness_chart, statistics_chart
+from service.figures.style import technique_styles
+from service.formats import encode
+from tests.service.formats.statistics_results import (
     TECHNIQUES,
     a_result,
     awkward,
@@ -16,10 +20,6 @@ from statistics_results import (
     roughness_sweep,
     six_techniques,
 )
-
-from service.figures import roughness_chart, statistics_chart
-from service.figures.style import technique_styles
-from service.formats import encode
 
 
 def spec_of(result, chart=None):

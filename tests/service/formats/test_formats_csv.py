@@ -3,9 +3,8 @@
 import csv
 import io
 
-from statistics_results import a_result, awkward, one_series, roughness_sweep, six_techniques
-
 from service.formats import encode
+from tests.service.formats.statistics_results import a_result, awkward, one_series, roughness_sweep, six_techniques
 
 
 def rows_of(result):

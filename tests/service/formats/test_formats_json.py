@@ -4,9 +4,9 @@ import json
 import math
 
 import pytest
-from statistics_results import awkward, six_techniques
 
 from service.formats import encode
+from tests.service.formats.statistics_results import awkward, six_techniques
 
 
 def test_json_reads_back_equal():

@@ -5,9 +5,9 @@ import json
 import time
 
 import numpy as np
-from statistics_results import a_result, awkward, one_series, six_techniques
 
 from service.formats import encode
+from tests.service.formats.statistics_results import a_result, awkward, one_series, six_techniques
 
 
 def loaded(result):

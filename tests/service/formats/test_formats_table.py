@@ -1,7 +1,11 @@
 """The terminal text: cells, splitting, width, the summary."""
 
 import pytest
-from statistics_results import (
+
+from service.formats import encode
+from service.formats.series import Series
+from service.formats.table import angle_texts, cells, statistics_table
+from tests.service.formats.statistics_results import (
     a_result,
     awkward,
     make_infinite,
@@ -10,10 +14,6 @@ from statistics_results import (
     roughness_sweep,
     six_techniques,
 )
-
-from service.formats import encode
-from service.formats.series import Series
-from service.formats.table import angle_texts, cells, statistics_table
 
 
 def text_of(result):

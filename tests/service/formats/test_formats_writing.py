@@ -7,9 +7,9 @@ import subprocess
 import sys
 
 import pytest
-from statistics_results import awkward, six_techniques
 
 from service.formats import FORMATS, UnknownFormat, encode, format_of, write, write_bytes
+from tests.service.formats.statistics_results import awkward, six_techniques
 
 
 @pytest.mark.parametrize(

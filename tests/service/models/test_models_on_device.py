@@ -7,7 +7,7 @@ import pytest
 
 from service.catalogue import load_catalogue
 from service.reference.entry import exact_albedo, load_model
-from service.slices import values_in_plane
+from tests.service.conftest import view
 
 THETA_O = (0.0, 30.0, 60.0, 85.0)
 MODELS = sorted(load_catalogue().models)
@@ -21,21 +21,19 @@ def defaults(model, **given):
 
 
 @pytest.mark.parametrize("name", MODELS)
-def test_a_brdf_and_its_albedo_are_those_of_the_reference(engine, name):
+def test_a_brdf_and_its_albedo_are_those_of_the_reference(probe, name):
     """To 4e-6 of the value, and 1e-7: exp and pow of the driver are good to 5e-6 at worst, arc functions to 1e-7."""
     parameters, theta_i = defaults(name), np.radians(np.linspace(-89.5, 89.5, 121))
     for angle in THETA_O:
-        theta_o = math.radians(angle)
-        found, albedo = values_in_plane(engine, name, parameters, theta_o, theta_i)
-        wi = np.stack([np.sin(theta_i), 0 * theta_i, np.cos(theta_i)], axis=1).astype(np.float32).astype(float)
-        wo = np.array([math.sin(theta_o), 0.0, math.cos(theta_o)], np.float32).astype(float)
+        wi, wo = view(theta_i).astype(np.float32), view(math.radians(angle)).astype(np.float32)
+        found = probe(name, "cosine", wo, wi=wi, **parameters)
         rounded = {key: float(np.float32(value)) for key, value in parameters.items()}
-        expected = load_model(name).brdf(wi, wo, rounded)
+        expected = load_model(name).brdf(wi.astype(float), wo.astype(float), rounded)
         visible = expected > 1e-6
-        np.testing.assert_allclose(found[visible], expected[visible], rtol=1e-5, atol=1e-7)
-        exact = exact_albedo(load_model(name), wo[2], rounded)
-        if "directional_albedo" in engine.catalogue.models[name].declared:
-            assert albedo == pytest.approx(exact, abs=1e-6)
+        np.testing.assert_allclose(found["brdf"][visible], expected[visible], rtol=1e-5, atol=1e-7)
+        exact = exact_albedo(load_model(name), float(wo[2]), rounded)
+        if "directional_albedo" in load_catalogue().models[name].declared:
+            assert found["albedo"][0] == pytest.approx(exact, abs=1e-6)
 
 
 @pytest.mark.parametrize("name", MODELS)

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from service.reference.entry import exact_albedo, exact_average_albedo, load_model
-from service.slices import values_in_plane
 
 SIGMAS = np.linspace(0.0, math.pi / 2, 1571)
 NEARLY_GRAZING = 1e-9  # cosine
@@ -123,14 +122,15 @@ def test_the_average_albedos_of_the_papers_models_as_printed():
     assert eon == pytest.approx(1.0, abs=1e-14)
 
 
-def test_average_albedos_from_device_values_are_the_closed_forms(engine):
+def test_average_albedos_from_device_values_are_the_closed_forms(probe):
     """The albedo that the shader declares, at 40 Gauss-Legendre views; 1e-6 leaves room for float32 (6e-8 each)."""
     nodes, weights = np.polynomial.legendre.leggauss(40)
     theta = math.pi / 4 * (nodes + 1)
+    wo = np.array([view(cosine) for cosine in np.cos(theta)])
     for name, parameters in (("qon", {"sigma": 0.8, "albedo": 0.7}), ("fon", {"roughness": 0.6, "albedo": 0.7}),
                              ("eon", {"roughness": 0.6, "albedo": 0.7})):  # fmt: skip
         rounded = {key: float(np.float32(value)) for key, value in parameters.items()}
-        albedo = [values_in_plane(engine, name, parameters, t, np.zeros(1))[1] for t in theta]
+        albedo = probe(name, "cosine", wo, wi=wo, **parameters)["albedo"]
         average = math.pi / 4 * np.sum(weights * albedo * np.sin(2 * theta))
         assert average == pytest.approx(exact_average_albedo(load_model(name), rounded), abs=1e-6)
 

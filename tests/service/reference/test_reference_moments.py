@@ -4,12 +4,12 @@ import math
 
 import numpy as np
 import pytest
-import untransformed_quadrature
 
 from service.reference import CellReference, cell_reference, cells_reference, load_model, load_technique, moments
 from service.reference.entry import Array, Parameters
 from service.reference.models import lambert
 from service.reference.techniques import cosine
+from tests.service.reference import untransformed_quadrature
 
 MODELS = ("lambert", "fon", "eon", "eon-approx")
 TECHNIQUES = ("cosine", "uniform", "ltc-nonnegative", "ltc", "cltc", "cltc-mis")
@@ -55,7 +55,7 @@ def test_refinement_reaches_the_goal(technique: str) -> None:
     angles = np.radians([*ANGLES, 60.0, 85.0, 89.99, 89.9999])
     for model in MODELS:
         for roughness in (1e-30, 0.01, 1.0):
-            cells = cells_reference(model, technique, {"roughness": roughness}, angles)
+            cells = cells_reference(model, technique, {"roughness": roughness, "albedo": 1.0}, angles)
             assert cells is not None
             assert all(found.mean_uncertainty <= moments.GOAL * found.mean for found in cells)
 
@@ -155,7 +155,7 @@ def tail_probability(model: str, theta: float, clipped: bool, threshold: float) 
         x, y, z = side * np.cos(psi) * np.cos(tilt), np.sin(psi), np.cos(psi) * np.sin(tilt)
         wi = np.stack([a * x + b * z, c * y, d * x + z], axis=-1)
         wi /= np.linalg.norm(wi, axis=-1, keepdims=True)
-        reflected = the_model.brdf(wi, wo, {"roughness": 1.0}) * wi[:, 2]
+        reflected = the_model.brdf(wi, wo, {"roughness": 1.0, "albedo": 1.0}) * wi[:, 2]
         heavier = reflected > threshold * the_technique.density(wo, wi, {"roughness": 1.0})
         low, high = np.where(heavier, tilt, low), np.where(heavier, high, tilt)
     share = 0.5 + 0.5 / math.hypot(1.0, d) if clipped else 1.0
@@ -179,7 +179,7 @@ def test_samples_below_the_horizon_count_as_zero_weights() -> None:
         def density(self, wo: Array, wi: Array, parameters: Parameters) -> Array:
             return 0.75 * cosine.density(wo, wi, parameters)
 
-    pair = moments.Pair(lambert, Wasteful(), {}, np.array([0.6, 0.0, 0.8]))
+    pair = moments.Pair(lambert, Wasteful(), {"albedo": 1.0}, np.array([0.6, 0.0, 0.8]))
     found = moments.integrate_moments(pair, finite=True)
     # w is 4/3 with probability 3/4, else 0.
     assert found.mean == pytest.approx(1.0, rel=1e-14)
@@ -217,8 +217,8 @@ def test_extreme_inputs_give_numbers(technique: str) -> None:
 
 def test_the_view_azimuth_does_not_matter() -> None:
     for technique in TECHNIQUES:
-        straight = cell_reference("eon", technique, {}, 1.2)
-        turned = cell_reference("eon", technique, {}, 1.2, phi_o=2.5)
+        straight = cell_reference("eon", technique, {"roughness": 1.0, "albedo": 1.0}, 1.2)
+        turned = cell_reference("eon", technique, {"roughness": 1.0, "albedo": 1.0}, 1.2, phi_o=2.5)
         assert straight is not None
         assert turned is not None
         for name in ("mean", "variance", "max_weight", "uncovered", "tail_strength"):

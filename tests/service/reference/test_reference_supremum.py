@@ -36,7 +36,7 @@ def test_no_sampled_weight_exceeds_the_supremum(model_name: str, name: str) -> N
         theta_o = math.radians(theta)
         wo, wi = np.array([math.sin(theta_o), 0.0, math.cos(theta_o)]), candidates(theta_o)
         for roughness in (0.05, 0.5, 1.0):
-            parameters = {"roughness": roughness}
+            parameters = {"roughness": roughness, "albedo": 1.0}
             weight = model.brdf(wi, wo, parameters) * wi[:, 2] / technique.density(wo, wi, parameters)
             found = cell_reference(model_name, name, parameters, theta_o)
             assert found is not None

@@ -5,11 +5,11 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-import untransformed_quadrature
 
 from service.reference.entry import Array, Technique, load_technique
 from service.reference.techniques import cltc_mis
 from service.reference.transformed_cosine import eon_lobe
+from tests.service.reference import untransformed_quadrature
 
 TECHNIQUES = ("cosine", "uniform", "ltc-nonnegative", "ltc", "cltc", "cltc-mis")
 ONE_BRANCH = ("cosine", "uniform", "ltc-nonnegative", "ltc", "cltc")

@@ -50,7 +50,7 @@ def moments(model: str, technique: str, roughness: float, theta_o: float) -> dic
     wo, wi, solid_angle, mass = lobe_rule(technique, roughness, theta_o)
     the_model = load_model(model)
     assert the_model is not None
-    reflected = the_model.brdf(wi, wo, {"roughness": roughness}) * wi[:, 2] * solid_angle
+    reflected = the_model.brdf(wi, wo, {"roughness": roughness, "albedo": 1.0}) * wi[:, 2] * solid_angle
     covered = mass > 0
     mean = float(np.sum(reflected[covered]))
     deviation = reflected[covered] / mass[covered] - mean

@@ -1,6 +1,7 @@
 """Stability: the edge grid holds what it must, the catalogue is finite and right on it, and faults are named."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -113,12 +114,12 @@ default = 0.5
 ANISOTROPIC = HEAD.replace('source = "own"', 'source = "own"\nanisotropic = true')
 
 
-def stability_of(engine, body):
-    catalogue = load_catalogue()
-    entry = read_entry(HEAD + f"float brdf(vec3 wi, vec3 wo) {{ {body} }}\n", "fragile.glsl")
-    extended = type(catalogue)({**catalogue.models, "fragile": entry}, catalogue.techniques, catalogue.includes)
-    scene = parse_scene({"model": "fragile", "techniques": ["cosine"]})
-    return compute_stability(resolve(scene, extended), Engine(engine.device, extended, engine.cache))
+def stability_of(engine, body, head=HEAD, **scene):
+    """The stability of `fragile`, a model of the catalogue with this body."""
+    entry = read_entry(head + f"float brdf(vec3 wi, vec3 wo) {{ {body} }}\n", "fragile.glsl")
+    catalogue = replace(engine.catalogue, models={**engine.catalogue.models, "fragile": entry})
+    question = resolve(parse_scene({"model": "fragile", "techniques": ["cosine"], **scene}), catalogue)
+    return compute_stability(question, Engine(engine.device, catalogue, engine.cache))
 
 
 def test_a_nan_at_one_edge_is_found_with_its_inputs(engine):
@@ -219,14 +220,9 @@ def test_an_exception_by_the_direction_states_the_effect_of_the_direction(answer
 def test_azimuths_of_the_scene_are_looked_at(engine):
     """At 23.5 degrees, and 360 less, this value is infinite and nowhere else on the grid."""
     pole = "float a = atan(wo.y, wo.x); return abs(a - 0.410152374) < 1e-4 ? -1.0 / 0.0 : INV_PI;"
-    entry = read_entry(ANISOTROPIC + f"float brdf(vec3 wi, vec3 wo) {{ {pole} }}\n", "fragile.glsl")
-    catalogue = load_catalogue()
-    extended = type(catalogue)({**catalogue.models, "fragile": entry}, catalogue.techniques, catalogue.includes)
-    at = Engine(engine.device, extended, engine.cache)
 
     def regions(**azimuth):
-        scene = parse_scene({"model": "fragile", "techniques": ["cosine"], **azimuth})
-        return {region["name"]: region for region in compute_stability(resolve(scene, extended), at)["regions"]}
+        return {region["name"]: region for region in stability_of(engine, pole, ANISOTROPIC, **azimuth)["regions"]}
 
     usual, asked = regions(), regions(phi_o_deg=[23.5, -336.5])
     assert "azimuth of the scene" not in usual

@@ -1,8 +1,9 @@
-"""What the battery looks at: a probe, and the parameter settings and views at which it looks."""
+"""Inputs of a probe: parameter settings and views to look at, and how a failure names its own for a replay."""
 
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from service.catalogue import Parameter
+from service.catalogue import Catalogue, Parameter
 from service.probe import Probe
 
 Array = NDArray[Any]
@@ -40,9 +41,7 @@ def view_directions(theta_o: Array, phi_o: Array) -> Array:
 
 
 def settings(declared: Mapping[str, Parameter], count: int) -> Array:
-    """Up to `count` rows of parameter values (float32): the defaults, inner points, each range's ends alone, all
-    ends.
-    """
+    """Up to `count` rows of parameter values in float32: defaults, inner points, each range's ends alone, all ends."""
     columns = list(declared.values())
     default = [p.default for p in columns]
     rows = [default]
@@ -115,3 +114,19 @@ def replay(
     if wi is not None:
         out["wi_bits"] = bits(wi)
     return out
+
+
+def replay_command(given: str, inputs: Mapping[str, Any], catalogue: Catalogue) -> str:
+    """The command that evaluates a model and technique at exact inputs.
+
+    `given` is a file or a catalogue name; other files of the user's are called by their paths.
+    """
+    model, technique = catalogue.model(inputs["model"]), catalogue.technique(inputs["technique"])
+    names = [entry.origin if entry.own and entry.origin != given else entry.name for entry in (model, technique)]
+    words = ["samplerscope", "check", given, "--model", names[0], "--technique", names[1]]
+    for name, value in inputs["parameters"].items():
+        words += ["--set", f"{name}={value!r}"]
+    for name in ("wo", "u", "wi"):
+        if f"{name}_bits" in inputs:
+            words += [f"--{name}", ",".join(inputs[f"{name}_bits"])]
+    return shlex.join(words)

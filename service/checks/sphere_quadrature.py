@@ -1,8 +1,7 @@
 """Adaptive quadrature over the sphere, in boxes of equal-area coordinates.
 
 A direction is (t, phi): t = 1 - z in [0, 2] and the azimuth in [0, 2 pi); area on the sphere is dt dphi (Archimedes).
-The
-horizon is t = 1. Directions are formed from t without cancellation, so that lobes of any width about the normal
+The horizon is t = 1. Directions are formed from t without cancellation, so that lobes of any width about the normal
 resolve.
 """
 
