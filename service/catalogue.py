@@ -36,6 +36,37 @@ _RESOURCES = frozenset({"buffer", "uniform", "shared", "layout"})
 
 _HEAD = re.compile(r"\s*/\*---\n(.*?)\n---\*/", re.DOTALL)
 _REQUIRED_FUNCTIONS = {"model": ("brdf",), "technique": ("sample_direction", "direction_pdf")}
+_SIGNATURES = {
+    "brdf": "float brdf(vec3 wi, vec3 wo)",
+    "directional_albedo": "float directional_albedo(float mu)",
+    "sample_direction": "DirectionSample sample_direction(vec3 wo, vec2 u)",
+    "direction_pdf": "float direction_pdf(vec3 wo, vec3 wi)",
+    "u1_split": "float u1_split(vec3 wo)",
+}
+_BUILT_IN = frozenset({"void", "bool", "int", "uint", "float", "double", "vec2", "vec3", "vec4", "DirectionSample"})
+_KEYWORDS = _BUILT_IN | frozenset(
+    re.findall(
+        r"\w+",
+        "const in out inout if else for while do return break continue switch case default struct discard true false "
+        "precise highp mediump lowp flat smooth centroid sample patch attribute varying subroutine",
+    )
+)
+_ALLOWED_IN_HEAD = {
+    "provides": '["model"], ["technique"] or ["model", "technique"]',
+    "name": "at most 64 lower case letters, digits and dashes, a letter first",
+    "title": "a text",
+    "source": "a text",
+    "models": '"any" or a list of names of models',
+    "uses": "a list of names of parameters",
+    "singular": "a list of texts",
+    "black": "values of parameters by name",
+    "left_out": "tables of values of parameters by name",
+    "min": "a number",
+    "max": "a number",
+    "default": "a number",
+    "unit": "a text",
+    "help": "a text",
+}
 
 
 class Parameter(BaseModel):
@@ -124,11 +155,16 @@ class Catalogue:
         made_for = [] if technique.head.models == "any" else technique.head.models
         for name in technique.head.uses:
             if name not in found:
-                owners = [self.models[m] for m in made_for if name in self.models[m].head.parameters]
+                known = [self.models[m] for m in made_for if m in self.models]
+                owners = [model for model in known if name in model.head.parameters]
                 if not owners:
                     raise ShaderFileError(f"{technique.origin}: uses {name!r}, which {model.name} does not declare")
                 found[name] = owners[0].head.parameters[name]
         return found
+
+    def file_of(self, origin: str) -> Entry:
+        """The entry of a user's file that `with_text` has added under this origin."""
+        return next(e for e in (*self.models.values(), *self.techniques.values()) if e.own and e.origin == origin)
 
     def with_file(self, path: Path) -> Catalogue:
         """This catalogue and one more file, which may replace an entry of the same name.
@@ -138,8 +174,14 @@ class Catalogue:
         return self.with_text(own_text(path), str(path))
 
     def with_text(self, text: str, origin: str) -> Catalogue:
-        """This catalogue and the file of this text; `origin` is how errors call it."""
+        """This catalogue and the file of this text; `origin` is how errors call it. It may take the place of an entry
+        of the same name, but ShaderFileError where that is another file of the user's.
+        """
         entry = own_entry(text, origin)
+        for role in entry.head.provides:
+            other = (self.models if role == "model" else self.techniques).get(entry.name)
+            if other is not None and other.own:
+                raise ShaderFileError(f"{origin}: head: name = {entry.name}: so is the {role} of {other.origin} called")
         return Catalogue(
             models={**self.models, **_provided([entry], "model")},
             techniques={**self.techniques, **_provided([entry], "technique")},
@@ -148,8 +190,8 @@ class Catalogue:
 
 
 def is_file(given: str) -> bool:
-    """Whether a text in the place of a name means a user's file: it ends in `.glsl` or has a slash."""
-    return given.endswith(".glsl") or "/" in given
+    """Whether a text means a user's shader file: a path, or a name with a dot, which no entry of the catalogue has."""
+    return "." in given or "/" in given
 
 
 def own_text(path: Path) -> str:
@@ -165,7 +207,9 @@ def own_text(path: Path) -> str:
 
 def own_entry(text: str, origin: str) -> Entry:
     """The entry of a user's file. ShaderFileError where it breaks the contract."""
+    text = text.removeprefix("\ufeff").replace("\r\n", "\n")
     entry = replace(read_entry(text, origin), own=True)
+    _check_signatures(text, origin)
     for line, word in glsl.words(text):
         if word in _RESOURCES:
             raise ShaderFileError(
@@ -194,30 +238,62 @@ def load_catalogue(folder: Path = SHADERS) -> Catalogue:
 
 def read_entry(text: str, origin: str) -> Entry:
     """Parse one shader file; `origin` is how errors call it."""
-    match = _HEAD.match(text)
-    if match is None:
-        raise ShaderFileError(f"{origin}:1: the file must begin with a head: a comment /*--- TOML ---*/")
-    try:
-        head = Head.model_validate(tomllib.loads(match.group(1)))
-    except tomllib.TOMLDecodeError as error:
-        raise ShaderFileError(f"{origin}: the head is not TOML: {error}") from None
-    except ValidationError as error:
-        first = error.errors()[0]
-        place = ".".join(str(part) for part in first["loc"])
-        raise ShaderFileError(f"{origin}: head: {place}: {first['msg']}") from None
+    head = _read_head(text, origin)
     declared = frozenset(glsl.declared_names(text))
     _check_parameters(head, origin)
     _check_values(head, origin)
     for role in head.provides:
         for function in _REQUIRED_FUNCTIONS[role]:
             if function not in declared:
-                raise ShaderFileError(f"{origin}: a {role} must define the function {function}")
+                raise ShaderFileError(f"{origin}: a {role} must define the function {_SIGNATURES[function]}")
     return Entry(head, text, origin, declared)
+
+
+def _read_head(text: str, origin: str) -> Head:
+    match = _HEAD.match(text)
+    if match is None and text.lstrip().startswith("/*---"):
+        raise ShaderFileError(f"{origin}:1: the head must begin with a line /*--- and end with a line ---*/")
+    if match is None:
+        raise ShaderFileError(
+            f"{origin}:1: the file must begin with a head: a comment /*--- TOML ---*/, see shaders/README.md"
+        )
+    try:
+        return Head.model_validate(tomllib.loads(match.group(1)))
+    except tomllib.TOMLDecodeError as error:
+        message, _, place = str(error).partition(" (at line ")
+        line = text.count("\n", 0, match.start(1)) + int(place.partition(",")[0] if place[:1].isdecimal() else 1)
+        raise ShaderFileError(f"{origin}:{line}: the head is not TOML: {message}") from None
+    except ValidationError as error:
+        raise ShaderFileError(f"{origin}: head: {_head_problem(error)}") from None
+
+
+def _head_problem(error: ValidationError) -> Problem:
+    """The first wrong field of a head, and what it allows."""
+    first = error.errors()[0]
+    place = [str(part) for part in first["loc"] if not re.search(r"[\[\]]", str(part))]
+    place = place if first["type"] == "missing" or not place[-1].isdecimal() else place[:-1]
+    allowed = _ALLOWED_IN_HEAD.get(place[0] if place[0] != "parameters" else place[-1], first["msg"])
+    if first["type"] == "missing":
+        return Problem(".".join(place), None, f"{allowed}; it is required")
+    if first["type"] == "extra_forbidden":
+        fields = Parameter.model_fields if place[0] == "parameters" else Head.model_fields
+        allowed = f"no field of this name; there are {', '.join(fields)}"
+    return Problem(".".join(place), first["input"], allowed)
+
+
+def _check_signatures(text: str, origin: str) -> None:
+    """The functions that the jobs call are as they call them. Types of the file's own making are for the compiler."""
+    for function, wanted in _SIGNATURES.items():
+        found = glsl.signatures(text, function)
+        ((_, types),) = glsl.signatures(wanted, function)
+        plain = all(_BUILT_IN.issuperset(has) for _, has in found)
+        if found and plain and types not in (has for _, has in found):
+            raise ShaderFileError(f"{origin}:{found[0][0]}: {function}: must be {wanted}")
 
 
 def _check_parameters(head: Head, origin: str) -> None:
     for name, parameter in head.parameters.items():
-        if name in RESERVED or not re.fullmatch(r"[a-z][a-z0-9_]*", name):
+        if name in RESERVED | _KEYWORDS or not re.fullmatch(r"[a-z][a-z0-9_]*", name):
             raise ShaderFileError(f"{origin}: head: a parameter may not be called {name!r}")
         values = (parameter.min, parameter.default, parameter.max)
         if not (all(map(math.isfinite, values)) and parameter.min <= parameter.default <= parameter.max):

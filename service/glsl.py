@@ -8,7 +8,7 @@ keep the author's line numbers.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 _TOKEN = re.compile(
     r"""
@@ -22,6 +22,7 @@ _TOKEN = re.compile(
     re.VERBOSE | re.DOTALL | re.MULTILINE,
 )
 _DEFINE = re.compile(r"^[ \t]*#[ \t]*define[ \t]+([A-Za-z_]\w*)")
+_QUALIFIERS = frozenset({"const", "in", "out", "inout", "precise", "highp", "mediump", "lowp"})
 _NAME = re.compile(r"\b[A-Za-z_]\w*\b")
 
 
@@ -67,6 +68,34 @@ def _declares(before: tuple[str, str], after: str) -> bool:
     """Whether a top-level name between these two tokens is one that is declared there."""
     typed = before[0] == "name" or before[1] in ("]", ",", "}")
     return typed and after in ("(", "=", ";", ",", "[", "{")
+
+
+def signatures(text: str, name: str) -> list[tuple[int, tuple[str, ...]]]:
+    """(line, types) of every function of this name at the top level: the type returned, then those of parameters."""
+    found = []
+    depth, line = 0, 1
+    code: list[tuple[int, str, str]] = []  # line, kind, text
+    for kind, token in tokens(text):
+        if kind not in ("comment", "space", "directive"):
+            code.append((line, kind, token))
+        line += token.count("\n")
+    for i, (at, kind, token) in enumerate(code):
+        before, after = code[i - 1 : i], code[i + 1 : i + 2]
+        if depth == 0 and token == name and before and before[0][1] == "name" and after and after[0][2] == "(":
+            end = next((j for j in range(i, len(code)) if code[j][2] == ")"), len(code))
+            found.append((at, (before[0][2], *_types(code[i + 2 : end]))))
+        depth += (token in "([{") - (token in ")]}") if kind == "mark" else 0
+    return found
+
+
+def _types(parameters: Sequence[tuple[int, str, str]]) -> Iterator[str]:
+    """The type of each parameter, qualifiers apart."""
+    first = True
+    for _, kind, token in parameters:
+        if first and kind == "name" and token not in _QUALIFIERS:
+            yield token
+            first = False
+        first = first or token == ","
 
 
 def rename(text: str, names: Mapping[str, str]) -> str:

@@ -9,6 +9,7 @@ from typing import Any
 
 from service.catalogue import Catalogue, Entry, load_catalogue
 from service.engine import Engine
+from service.presets import preset, preset_names
 
 
 def describe(device: str | None = None) -> dict[str, Any]:
@@ -24,6 +25,7 @@ def describe(device: str | None = None) -> dict[str, Any]:
                 "vulkan": version("vulkan"),
             },
             "catalogue": describe_catalogue(load_catalogue()),
+            "presets": {name: preset(name)["title"] for name in preset_names()},
         }
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from service.catalogue import Parameter
+from service.catalogue import Catalogue, Parameter
 from service.probe import Probe
 
 Array = NDArray[Any]
@@ -113,9 +113,14 @@ def replay(
     return out
 
 
-def replay_command(given: str, inputs: Mapping[str, Any]) -> str:
-    """The command that evaluates a model and technique at exact inputs; `given` is a file or a catalogue name."""
-    words = ["samplerscope", "check", given, "--model", inputs["model"], "--technique", inputs["technique"]]
+def replay_command(given: str, inputs: Mapping[str, Any], catalogue: Catalogue) -> str:
+    """The command that evaluates a model and technique at exact inputs.
+
+    `given` is a file or a catalogue name; other files of the user's are called by their paths.
+    """
+    model, technique = catalogue.model(inputs["model"]), catalogue.technique(inputs["technique"])
+    names = [entry.origin if entry.own and entry.origin != given else entry.name for entry in (model, technique)]
+    words = ["samplerscope", "check", given, "--model", names[0], "--technique", names[1]]
     for name, value in inputs["parameters"].items():
         words += ["--set", f"{name}={value!r}"]
     for name in ("wo", "u", "wi"):

@@ -27,6 +27,11 @@ class PaperFigure:
     chart: Literal["statistics", "roughness", "convergence", "timings", "albedo", "slices"]
     average_over: str | None = None
 
+    @property
+    def kind(self) -> str:
+        """The kind of its result."""
+        return self.chart if self.chart in ("convergence", "timings", "slices") else "statistics"
+
 
 _SLOPES = [0.1, 0.2, 0.5, 1.0, 2.0]
 _MEAN_ONLY = {"statistics": ["mean"], "estimator": {"samples": 100_000}}

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import astuple, fields
 from functools import cache
 from hashlib import blake2b
@@ -45,6 +45,13 @@ def has_formulas(plan: SeriesPlan) -> bool:
         return False
     names = (reference.load_model(plan.model.name), reference.load_technique(plan.technique.name))
     return None not in names
+
+
+def load_references(plans: Iterable[SeriesPlan]) -> None:
+    """Read all that the references of these plans need of files, for a process that may read none from then on."""
+    for plan in plans:
+        has_formulas(plan)
+    _code_digest()
 
 
 def _stored(plan: SeriesPlan, theta_o_deg: Sequence[float], store: Cache) -> list[CellReference]:

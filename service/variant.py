@@ -7,6 +7,7 @@ leaves out is chosen after compilation, by specialization constants: see service
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -92,7 +93,8 @@ def variant_name(model: Entry, techniques: Sequence[Entry], job: str, precision:
 
 def _part(entry: Entry, role: Role, prefix: str) -> str:
     names = {name: f"{prefix}_{name}" for name in (*entry.declared, *read_parameters(entry, role))}
-    return f'#line 1 "{entry.origin}"\n{count_loops(glsl.rename(entry.code, names))}\n'
+    origin = re.sub(r'["\\\r\n]', "_", entry.origin) if entry.own else entry.origin  # what may stand in a #line
+    return f'#line 1 "{origin}"\n{count_loops(glsl.rename(entry.code, names))}\n'
 
 
 def _optional(macro: str, function: str, entry: Entry, call: str) -> str:

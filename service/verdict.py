@@ -17,7 +17,7 @@ from service.estimators import Estimate
 from service.moments import Statistics, bernstein_half_width
 from service.plain_data import finite_or_none
 from service.reference import CellReference
-from service.scene import Estimator
+from service.scene import MAX_SAMPLES, Estimator
 
 FALSE_ALARM = 1e-6
 """Probability that a correct series is called biased by chance."""
@@ -86,7 +86,9 @@ def _finding(name: str, where: Bools, angles: Angles, message: str, **evidence: 
         return None
     held = [angle for angle, holds in zip(angles, where, strict=True) if holds]
     place = (
-        f"at {held[0]:g} degrees" if len(held) == 1 else f"at {len(held)} angles, {held[0]:g} to {held[-1]:g} degrees"
+        f"at {_degrees(held[0])} degrees"
+        if len(held) == 1
+        else f"at {len(held)} angles, {_degrees(min(held))} to {_degrees(max(held))} degrees"
     )
     return {"name": name, "message": f"{message} ({place})", "evidence": {"theta_o_deg": held, **evidence}}
 
@@ -99,8 +101,8 @@ def _counted(e: Evidence) -> list[dict[str, Any] | None]:
             "nonfinite",
             bad,
             e.theta_o_deg,
-            f"{e.estimate.nonfinite.sum()} samples, left out of the sums, have a weight, density or direction that is "
-            "not finite",
+            f"{e.estimate.nonfinite.sum():,} samples, left out of the sums, have a weight, density or direction that "
+            "is not finite",
             count=e.estimate.nonfinite[bad].tolist(),
             replay=[replay for replay, is_bad in zip(e.replay, bad, strict=True) if is_bad],
         ),
@@ -260,7 +262,7 @@ def _tails(e: Evidence, statistics: Statistics) -> list[dict[str, Any] | None]:
             heavy,
             e.theta_o_deg,
             "rare large weights carry the fourth moment, and error bars from the samples do not hold at this count; "
-            f"{_rounded_up(np.max(needed[heavy], initial=0.0)):,} samples would do",
+            f"{_samples(_rounded_up(np.max(needed[heavy], initial=0.0)))} would do",
             samples_needed=[_rounded_up(value) for value in needed[heavy].tolist()],
         ),
         _finding(
@@ -277,6 +279,15 @@ def _kurtosis(cell: CellReference) -> float:
     if not math.isfinite(cell.fourth_moment):
         return math.nan
     return cell.fourth_moment / cell.variance**2 if cell.variance > 1e-20 else 1.0
+
+
+def _samples(count: int) -> str:
+    return f"{count:,} samples" if count <= MAX_SAMPLES else f"{count:.2g} samples, more than a scene may ask for,"
+
+
+def _degrees(angle: float) -> str:
+    """An angle in degrees, which is below 90, in few digits that are below 90 too."""
+    return f"{angle:g}" if float(f"{angle:g}") < 90 else repr(float(angle))
 
 
 def _rounded_up(count: float) -> int:

@@ -97,7 +97,7 @@ def run_battery(
     edges = stability["checks"] if stability else []
     for check in [*checks, *edges]:
         if check["replay"] is not None:
-            check["replay"]["command"] = replay_command(subject.given, check["replay"])
+            check["replay"]["command"] = replay_command(subject.given, check["replay"], subject.catalogue)
     return {
         "kind": "check",
         "subject": subject.given,

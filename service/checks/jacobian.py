@@ -21,8 +21,16 @@ SHARE = 5e-3
 """Share of points that may be off: those whose differences straddle a crease of the mapping."""
 
 
+ROUGH = 1e-2
+"""Relative difference of the areas at STEP and at half of it, above which the mapping has no derivative there."""
+
+
 def check_jacobian(probe: Probe, points: int, rng: np.random.Generator) -> Outcome:
-    """The density is one over the area that a small square of (u1, u2) covers, summed over all preimages."""
+    """The density is one over the area that a small square of (u1, u2) covers, summed over all preimages.
+
+    Where code makes further random numbers out of (u1, u2), as rejection sampling does, there is no such area. The
+    preimages there cannot be summed, and all that can be found is less density than one smooth preimage gives.
+    """
     if probe.technique.head.mixture:
         return not_applicable("jacobian", "one direction comes from several branches (mixture = true)")
     count = min(points, 1 << 14)
@@ -32,8 +40,14 @@ def check_jacobian(probe: Probe, points: int, rng: np.random.Generator) -> Outco
     u = rng.uniform(0.001, 0.999, (count, 2))
     pdf, area, wi = densities_and_areas(probe, wo, u, parameters)
     counts = (pdf > 0) & (area > 0) & np.isfinite(pdf * area)
-    off = np.where(counts, np.abs(pdf * area - 1.0), 0.0)
-    wrong = np.flatnonzero(off > TOLERANCE)
+    rough = counts & ~(np.abs(densities_and_areas(probe, wo, u, parameters, STEP / 2)[1] - area) <= ROUGH * area)
+    has_rough = rough.sum() > SHARE * count
+    off = np.where(counts & ~(rough & has_rough), np.abs(pdf * area - 1.0), 0.0)
+    wrong = np.flatnonzero((off > TOLERANCE) & ~(has_rough & (pdf * area > 1.0)))
+    if has_rough and len(wrong) <= SHARE * count:
+        return not_applicable(
+            "jacobian", f"directions are no smooth function of (u1, u2) at {rough.sum() / count:.0%} of the inputs"
+        )
     if len(wrong) > SHARE * count:
         # More density than one preimage gives: look for the others before calling it wrong.
         excess = wrong[pdf[wrong] * area[wrong] > 1 + TOLERANCE][:32]
@@ -64,12 +78,14 @@ def check_jacobian(probe: Probe, points: int, rng: np.random.Generator) -> Outco
     )
 
 
-def densities_and_areas(probe: Probe, wo: Array, u: Array, parameters: Array) -> tuple[Array, Array, Array]:
+def densities_and_areas(
+    probe: Probe, wo: Array, u: Array, parameters: Array, step: float = STEP
+) -> tuple[Array, Array, Array]:
     """Density (n,), |d wi/du1 x d wi/du2| (n,) by central differences, and wi (n, 3)."""
-    shifts = np.array([[STEP, 0], [-STEP, 0], [0, STEP], [0, -STEP]])
+    shifts = np.array([[step, 0], [-step, 0], [0, step], [0, -step]])
     middle = probe.draw(wo, u, parameters, "double")
     a, b, c, d = (probe.draw(wo, u + shift, parameters, "double").wi for shift in shifts)
-    cross = np.cross(a - b, c - d) / (4 * STEP * STEP)
+    cross = np.cross(a - b, c - d) / (4 * step * step)
     return middle.pdf, np.sqrt(np.sum(cross * cross, axis=1)), middle.wi
 
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 
 from service.catalogue import Catalogue, Entry, is_file, own_text
 from service.errors import BadInput, Problem
 
 DEFAULT_MODEL = "eon"
 DEFAULT_TECHNIQUES = ("cosine", "uniform")
+NO_FILES: Mapping[str, str] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -24,6 +26,13 @@ class Subject:
     fixed: Mapping[str, float]
 
 
+def with_files(catalogue: Catalogue, files: Mapping[str, str]) -> tuple[Catalogue, dict[str, str]]:
+    """The catalogue with files, given as text by path, and the names of their entries by path."""
+    for path, text in files.items():
+        catalogue = catalogue.with_text(text, path)
+    return catalogue, {path: catalogue.file_of(path).name for path in files}
+
+
 def select(
     given: str,
     catalogue: Catalogue,
@@ -31,16 +40,19 @@ def select(
     techniques: Sequence[str] | None = None,
     fixed: Mapping[str, float] | None = None,
     text: str | None = None,
+    files: Mapping[str, str] = NO_FILES,
 ) -> Subject:
     """Find the subject.
 
-    A technique runs on `model` (default eon, or the first it is made for), a model with `techniques`. Where `text` is
-    given, it is the file's, which is not read.
+    A technique runs on `model` (default eon, or the first it is made for), a model with `techniques`: names, or paths
+    that `files` has the texts of. Where `text` is given, it is the file's, which is not read.
     BadInput names what does not exist or does not fit; ShaderFileError a file that breaks the contract.
     """
+    catalogue, called = with_files(catalogue, {path: files[path] for path in files if path != given})
     if is_file(given):
         catalogue = catalogue.with_text(own_text(Path(given)) if text is None else text, given)
-        entry = next(e for e in (*catalogue.models.values(), *catalogue.techniques.values()) if e.own)
+        entry = catalogue.file_of(given)
+        called[given] = entry.name
     elif given in catalogue.techniques:
         entry = catalogue.techniques[given]
     elif given in catalogue.models:
@@ -48,9 +60,15 @@ def select(
     else:
         known = ", ".join(sorted({*catalogue.models, *catalogue.techniques}))
         raise BadInput(Problem("subject", given, f"a .glsl file, or one of {known}"))
+    model = None if model is None else called.get(model, model)
+    techniques = None if techniques is None else [called.get(name, name) for name in techniques]
     roles = entry.head.provides
+    if "model" not in roles and entry.name not in (techniques or [entry.name]):
+        raise BadInput(Problem("techniques", ",".join(techniques or []), f"{entry.name}, the subject, or no value"))
     the_model = (
-        entry if "model" in roles and model in (None, entry.name) else catalogue.model(model or _usual_model(entry))
+        entry
+        if "model" in roles and model in (None, entry.name)
+        else catalogue.model(model or _usual_model(entry, catalogue))
     )
     if "technique" in roles and techniques is None:
         chosen: tuple[Entry, ...] = (entry,)
@@ -65,6 +83,21 @@ def select(
     return Subject(given, catalogue, the_model, chosen, fixed)
 
 
-def _usual_model(technique: Entry) -> str:
+def require_in_range(subject: Subject) -> None:
+    """Raise BadInput where a fixed parameter is outside its range. (A replay may be: the edge grid looks beyond.)"""
+    for technique in subject.techniques:
+        declared = subject.catalogue.parameters_of(subject.model, technique)
+        for name, value in subject.fixed.items():
+            if not declared[name].min <= value <= declared[name].max:
+                raise BadInput(Problem(f"parameters.{name}", value, declared[name].allowed))
+
+
+def _usual_model(technique: Entry, catalogue: Catalogue) -> str:
     made_for = technique.head.models
-    return DEFAULT_MODEL if made_for == "any" or DEFAULT_MODEL in made_for else made_for[0]
+    if made_for == "any" or DEFAULT_MODEL in made_for:
+        return DEFAULT_MODEL
+    known = [name for name in made_for if name in catalogue.models]
+    if not known:
+        names = ", ".join(made_for) or "no model"
+        raise BadInput(Problem("model", None, f"a model or its file; {technique.origin} is made for {names}"))
+    return known[0]

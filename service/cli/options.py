@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from decimal import Decimal
+from types import MappingProxyType
+from typing import Any, TypeVar
 
 import click
 
@@ -11,12 +13,15 @@ from service.errors import BadInput, Problem
 from service.presets import with_preset
 
 Command = Callable[..., Any]
+Value = TypeVar("Value")
+DEFAULT_MODEL = "eon"
+MOST_DIGITS = 30  # of a whole number: far beyond any that is allowed
 
 
-def output_options(command: Command) -> Command:
-    """--format and -o, of every command that prints a result."""
+def output_options(command: Command, formats: str = "table, json, csv, npz, vega, png, svg") -> Command:
+    """--format and -o, of every command that prints a result; `formats` says in words which it has."""
     for option in (
-        click.option("--format", "format_", metavar="FORMAT", help="table, json, csv, npz, vega, png or svg."),
+        click.option("--format", "format_", metavar="FORMAT", help=f"Out of {formats}. Default: table."),
         click.option(
             "-o", "--output", "outputs", multiple=True, metavar="FILE",
             help="Write to FILE, in --format or in the format of its suffix; may be given more than once.",
@@ -31,40 +36,53 @@ report_option = click.option(
     "--report", "reports", multiple=True, metavar="FILE", help="Report card as .html, .json or .md; repeatable."
 )
 
+_SCENE: tuple[tuple[tuple[str, ...], dict[str, Any]], ...] = (
+    (("--model",), {"metavar": "NAME|FILE", "help": f"A name, a .glsl file, or all. Default: {DEFAULT_MODEL}."}),
+    (
+        ("--set", "settings"),
+        {
+            "metavar": "NAME=V1,V2,...",
+            "multiple": True,
+            "help": "Values of a parameter; several values sweep it, several sweeps form a product.",
+        },
+    ),
+    (("--preset",), {"metavar": "NAME", "help": "A material of a paper, in the place of --model."}),
+    (("--zip", "zips"), {"metavar": "NAME,NAME", "multiple": True, "help": "Sweep these together."}),
+    (
+        ("--technique", "--techniques"),
+        {"metavar": "NAME|FILE,...", "help": "Names, or .glsl files. Default: all made for the model."},
+    ),
+    (("--angles",), {"metavar": "N", "help": "N view angles from 0 to 89.91 degrees. Default: 64."}),
+    (("--theta-o-deg",), {"metavar": "A,B,...", "help": "View angles in degrees, 0 to below 90."}),
+    (("--phi-o-deg",), {"metavar": "A,B,...", "help": "View azimuths of an anisotropic model. Default: 0."}),
+    (("--statistics",), {"metavar": "NAME,...", "help": "Out of mean, variance, max_weight. Default: all."}),
+    (("--method",), {"metavar": "NAME", "help": "Estimator: mc, qmc or quadrature. Default: mc."}),
+    (
+        ("--tolerance",),
+        {"metavar": "X", "help": "Pick method and count, in place of --samples, for this error of the variance."},
+    ),
+    (("--samples",), {"metavar": "N", "help": "Samples for each angle. Default: 1000000."}),
+    (("--seed",), {"metavar": "N", "help": "Seed of the random numbers. Default: 0."}),
+    (("--no-error-bars",), {"is_flag": True, "help": "Leave standard errors out."}),
+    (("--no-reference",), {"is_flag": True, "help": "Leave the float64 reference out."}),
+)
 
-def scene_options(command: Command) -> Command:
-    """The options that make up a scene, with the names of its fields."""
-    for option in reversed(
-        (
-            click.option(
-                "--model", default="eon", show_default=True, metavar="NAME|FILE", help="The BRDF, own file, or all."
-            ),
-            click.option(
-                "--set", "settings", multiple=True, metavar="NAME=V1,V2,...",
-                help="Values of a parameter; several values sweep it, several sweeps form a product.",
-            ),
-            click.option("--preset", metavar="NAME", help="A material of a paper, in the place of --model."),
-            click.option("--zip", "zips", multiple=True, metavar="NAME,NAME", help="Sweep these together."),
-            click.option("--technique", "--techniques", metavar="NAME,...", help="Default: all made for the model."),
-            click.option("--angles", metavar="N", help="N view angles from 0 to 89.91 degrees. Default: 64."),
-            click.option("--theta-o-deg", metavar="A,B,...", help="View angles in degrees, 0 to below 90."),
-            click.option("--phi-o-deg", metavar="A,B,...", help="View azimuths of an anisotropic model. Default: 0."),
-            click.option("--statistics", metavar="NAME,...", help="Out of mean, variance, max_weight. Default: all."),
-            click.option("--method", metavar="NAME", help="Estimator: mc, qmc or quadrature. Default: mc."),
-            click.option("--tolerance", metavar="X", help="Pick method and count for this error of the variance."),
-            click.option("--samples", metavar="N", help="Samples for each angle. Default: 1000000."),
-            click.option("--seed", metavar="N", help="Seed of the random numbers. Default: 0."),
-            click.option("--no-error-bars", is_flag=True, help="Leave standard errors out."),
-            click.option("--no-reference", is_flag=True, help="Leave the float64 reference out."),
-        )
-    ):  # fmt: skip
-        command = option(command)
+
+def scene_options(command: Command, helps: Mapping[str, str | None] = MappingProxyType({})) -> Command:
+    """The options that make up a scene, with the names of its fields.
+
+    `helps` has what a command says differently of an option; None hides one that plays no part in its answer, and is
+    accepted so that one scene serves all commands.
+    """
+    for names, settings in reversed(_SCENE):
+        text = helps.get(names[0], settings["help"])
+        command = click.option(*names, **{**settings, "help": text, "hidden": text is None})(command)
     return command
 
 
 def scene_data(
     *,
-    model: str,
+    model: str | None,
     settings: tuple[str, ...],
     zips: tuple[str, ...],
     preset: str | None,
@@ -83,6 +101,8 @@ def scene_data(
     """A scene as plain data from the text of the options. What a field allows is checked where scenes are parsed."""
     if angles is not None and theta_o_deg is not None:
         raise BadInput(Problem("angles", angles, "either --angles or --theta-o-deg, not both"))
+    if preset is not None and model is not None:
+        raise BadInput(Problem("model", model, f"no value beside --preset {preset}, which names its model"))
     view: Any = None
     if angles is not None:
         view = {"count": integer("angles", angles)}
@@ -95,8 +115,8 @@ def scene_data(
         seed=integer("seed", seed),
     )
     scene = given(
-        model=model,
-        parameters=dict(_setting(text) for text in settings),
+        model=model or DEFAULT_MODEL,
+        parameters=settings_of(settings, _setting),
         zip=[names(text) for text in zips],
         techniques=names(technique),
         theta_o_deg=view,
@@ -117,6 +137,17 @@ def given(**fields: Any) -> dict[str, Any]:
 def names(text: str | None) -> list[str] | None:
     """The names in a list separated by commas."""
     return None if text is None else [name.strip() for name in text.split(",")]
+
+
+def settings_of(texts: Sequence[str], read: Callable[[str], tuple[str, Value]]) -> dict[str, Value]:
+    """The values that --set gives, by name; BadInput for a name that comes twice."""
+    found: dict[str, Value] = {}
+    for text in texts:
+        name, value = read(text)
+        if name in found:
+            raise BadInput(Problem("set", text, f"{name} once, with all its values: NAME=V1,V2,..."))
+        found[name] = value
+    return found
 
 
 def _setting(text: str) -> tuple[str, list[float]]:
@@ -143,8 +174,15 @@ def number(field: str, text: str | None) -> float | None:
 
 
 def integer(field: str, text: str | None) -> int | None:
-    """A whole number; BadInput names the field."""
+    """A whole number, which may be written as 1e6; BadInput names the field."""
     try:
-        return None if text is None else int(text)
-    except ValueError:
+        return None if text is None else _whole(text)
+    except (ValueError, ArithmeticError):
         raise BadInput(Problem(field, text, "a whole number")) from None
+
+
+def _whole(text: str) -> int:
+    value = Decimal(text)
+    if not value.is_finite() or value.adjusted() > MOST_DIGITS or value != value.to_integral_value():
+        raise ValueError(text)
+    return int(value)

@@ -1,23 +1,38 @@
-"""Questions about a user's own file, answered in a process of its own."""
+"""Questions about a user's own files, answered in a process of its own."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from service.catalogue import is_file, own_text
 from service.cli.delivery import ProgressLine
 
 
-def answer_for_file(
-    task: str, path: str, scene: dict[str, Any], device: str | None, line: type[ProgressLine] = ProgressLine
-) -> dict[str, Any]:
-    """Answer a scene whose model or technique is the file at `path`, with progress on stderr in the form of `line`.
+def own_texts(given: Iterable[str | None]) -> dict[str, str]:
+    """The texts of those that are files, by path. Raises BadInput for one that cannot be read."""
+    return {path: own_text(Path(path)) for path in given if path is not None and is_file(path)}
 
-    Raises BadInput for a file that cannot be read, and what `service.isolation.run_isolated` does.
+
+def scene_texts(scene: dict[str, Any]) -> dict[str, str]:
+    """The texts of the files that a scene has in the place of its model and techniques, by path; raises BadInput."""
+    return own_texts([scene["model"], *scene.get("techniques", [])])
+
+
+def answer_for_files(
+    task: str, files: dict[str, str], scene: dict[str, Any], device: str | None, line: type[ProgressLine] = ProgressLine
+) -> dict[str, Any]:
+    """Answer a scene whose model or techniques are among `files` (texts by path), with progress on stderr.
+
+    Raises what `service.isolation.run_isolated` does.
     """
-    from service.catalogue import own_text
     from service.isolation import run_isolated
 
-    arguments = {"file": path, "text": own_text(Path(path)), "scene": scene, "device": device}
+    others = dict(files)
+    text = others.pop(scene["model"], None)
+    file = None if text is None else scene["model"]
     with line() as progress:
-        return run_isolated(task, arguments, progress)
+        return run_isolated(
+            task, {"file": file, "text": text, "files": others, "scene": scene, "device": device}, progress
+        )

@@ -9,6 +9,7 @@ from typing import Any, cast
 
 import numpy as np
 
+from service.catalogue import Parameter
 from service.convergence.cost import Cost
 from service.convergence.scene import ConvergenceScene
 from service.convergence.truth import Array, relative_variances
@@ -67,24 +68,32 @@ def _value(x: float) -> float | None:
     return float(x) if x > 0 else None
 
 
+def require_swept(question: Question, engine: Engine) -> None:
+    """Raise BadInput where `efficiency_over` names what is no parameter."""
+    asked, declared = cast(ConvergenceScene, question.scene).efficiency_over, _declared(question, engine)
+    if not set(asked) <= set(declared):
+        raise BadInput(Problem("efficiency_over", ", ".join(asked), "parameters out of " + ", ".join(declared)))
+
+
+def _declared(question: Question, engine: Engine) -> dict[str, Parameter]:
+    found = {**question.series[0].model.head.parameters}
+    for plan in question.series:
+        found |= engine.catalogue.parameters_of(plan.model, plan.technique)
+    return found
+
+
 def _rows(question: Question, engine: Engine) -> list[dict[str, float]]:
     """The sets of parameter values of the table.
 
     Parameters that the scene sets have its values. What the techniques read, or what `efficiency_over` names, takes
-    STEPS values over its range. Raises BadInput for a name that is no parameter.
+    STEPS values over its range.
     """
-    first = question.series[0]
     scene = cast(ConvergenceScene, question.scene)
     read = {name for plan in question.series for name in (*plan.technique.head.uses, *plan.technique.head.parameters)}
     axes: dict[str, Sequence[float]] = {}
-    declared = {**first.model.head.parameters}
-    for plan in question.series:
-        declared |= engine.catalogue.parameters_of(plan.model, plan.technique)
+    declared = _declared(question, engine)
     if scene.efficiency_over:
         read = set(scene.efficiency_over)
-        if not read <= set(declared):
-            names = ", ".join(scene.efficiency_over)
-            raise BadInput(Problem("efficiency_over", names, "parameters out of " + ", ".join(declared)))
     for name, parameter in declared.items():
         if name in question.scene.parameters:
             axes[name] = question.scene.parameters[name]

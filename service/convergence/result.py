@@ -10,7 +10,7 @@ import numpy as np
 
 from service.convergence.cost import Cost, Loop, measure_costs
 from service.convergence.curves import Array, Curve, quadrature_curve, sampled_curve
-from service.convergence.efficiency import efficiency_table
+from service.convergence.efficiency import efficiency_table, require_swept
 from service.convergence.fit import Fit, fit_power_law
 from service.convergence.ranking import Contender, product_interval, rank
 from service.convergence.scene import ConvergenceScene
@@ -28,6 +28,7 @@ def compute_convergence(question: Question, engine: Engine, progress: Progress =
     Raises as `service.statistics.compute_statistics` does.
     """
     scene = cast(ConvergenceScene, question.scene)
+    require_swept(question, engine)
     begin = time.perf_counter()
     costs, built_ms = _costs(question, engine)
     advance = _counter(question, scene, progress)

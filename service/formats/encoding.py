@@ -96,10 +96,15 @@ def encode(result: Result, format: str, chart: Draw | None = None) -> bytes:  # 
     return str(content).encode()
 
 
+def formats_of(kind: str) -> list[str]:
+    """Names of the formats that a result of this kind can be written in."""
+    return [entry.name for entry in _ALL if entry.part is None or kinds.part(kind, entry.part) is not None]
+
+
 def _part(result: Result, entry: Format) -> Callable[[Result], Any]:
     kind = str(result.get("kind"))
     part = kinds.part(kind, entry.part or "")
     if part is None:
-        allowed = [other.name for other in _ALL if other.part is None or kinds.part(kind, other.part) is not None]
-        raise UnknownFormat(f"a result of kind {kind!r} has no format {entry.name!r}; allowed: {', '.join(allowed)}")
+        allowed = ", ".join(formats_of(kind))
+        raise UnknownFormat(f"a result of kind {kind!r} has no format {entry.name!r}; allowed: {allowed}")
     return part

@@ -54,7 +54,8 @@ def angle_texts(angles: Sequence[float]) -> list[str]:
         near = all(abs(float(text) - angle) < 0.005 for text, angle in zip(texts, angles, strict=True))
         if near and len(set(texts)) == len(set(angles)) and all(float(text) < 90 for text in texts):
             return texts
-    return [f"{angle:.10g}" for angle in angles]
+    texts = [f"{angle:.10g}" for angle in angles]
+    return [text if float(text) < 90 else repr(float(angle)) for text, angle in zip(texts, angles, strict=True)]
 
 
 def _column(one: Series, statistic: str, names: Sequence[str]) -> list[str]:

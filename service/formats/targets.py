@@ -7,25 +7,36 @@ import tempfile
 from pathlib import Path
 
 from service.errors import BadInput, Problem
-from service.formats.encoding import FORMATS, UnknownFormat, format_of
+from service.formats.encoding import FORMATS, UnknownFormat, format_of, formats_of
+
+STDOUT = ("-", "/dev/stdout")
+"""What means standard output in the place of a file's name."""
 
 
-def require_format(name: str) -> None:
-    """Raise BadInput unless a format of this name exists."""
-    if name not in FORMATS:
-        raise BadInput(Problem("format", name, "one of " + ", ".join(FORMATS)))
+def require_format(name: str, kind: str) -> None:
+    """Raise BadInput unless a format of this name exists and results of this kind have it."""
+    if name not in formats_of(kind):
+        raise BadInput(Problem("format", name, "one of " + ", ".join(formats_of(kind))))
 
 
-def target(path: str, format_name: str | None) -> tuple[Path, str]:
-    """The path and format of an output file. BadInput where the format is unknown or the file cannot be written."""
+def target(path: str, format_name: str | None, kind: str) -> tuple[str, str]:
+    """The path and format of an output file for a result of this kind. BadInput where that has no such format, or the
+    file cannot be written.
+    """
+    if format_name is None and path in STDOUT:
+        format_name = "table"
     if format_name is None:
         try:
             format_name = format_of(path)
-        except UnknownFormat as error:
-            raise BadInput(Problem("output", path, str(error).rpartition("allowed: ")[2])) from None
-    require_format(format_name)
-    require_writable(Path(path))
-    return Path(path), format_name
+        except UnknownFormat:
+            format_name = ""
+        if format_name not in formats_of(kind):
+            suffixes = [suffix for name in formats_of(kind) for suffix in FORMATS[name].suffixes]
+            raise BadInput(Problem("output", path, ", ".join(suffixes)))
+    require_format(format_name, kind)
+    if path not in STDOUT:
+        require_writable(Path(path))
+    return path, format_name
 
 
 def require_writable(path: Path) -> None:

@@ -1,7 +1,9 @@
 """What a worker can do: functions from plain data to a result, one a command.
 
-`arguments` carry the text of a user's file, since a worker may not read files. `seal(engine, pairs)` is called when the
-device is open and nothing of the file has run yet, with the pairs of model and technique that the task is about.
+`arguments` carry the texts of a user's files, since a worker may not read files: `text` is that of the subject or of
+the scene's model (`file`), `files` has those of others by the paths that stand for their names. `seal(engine, pairs)`
+is called when the device is open and nothing of a file has run yet, with the pairs of model and technique that the task
+is about.
 """
 
 from __future__ import annotations
@@ -9,13 +11,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from service.catalogue import Entry, load_catalogue
+from service.catalogue import Catalogue, Entry, load_catalogue
 from service.checks.battery import Battery, run_battery
 from service.checks.replaying import replay_inputs
-from service.checks.selection import Subject, select
+from service.checks.selection import Subject, require_in_range, select, with_files
 from service.convergence import compute_convergence, parse_convergence_scene
 from service.engine import Engine
+from service.errors import BadInput, Problem
 from service.explain import compute_explanation, parse_explain_scene
+from service.reference_store import load_references
 from service.scene import Question, Scene, parse_scene, resolve
 from service.stability import compute_stability
 from service.statistics import Progress, compute_statistics
@@ -33,6 +37,7 @@ def stay_open(engine: Engine, pairs: Pairs) -> None:
 def check(arguments: Arguments, progress: Progress, seal: Seal = stay_open) -> dict[str, Any]:
     """The battery over `subject`: a file, or a name of the catalogue."""
     subject = _subject(arguments)
+    require_in_range(subject)
     progress("compiling", 0, 1)
     with Engine.open(subject.catalogue, device=arguments["device"]) as engine:
         seal(engine, [(subject.model, technique) for technique in subject.techniques])
@@ -56,6 +61,7 @@ def _subject(arguments: Arguments) -> Subject:
         arguments["techniques"],
         arguments["fixed"],
         arguments["text"],
+        arguments.get("files", {}),
     )
 
 
@@ -87,18 +93,32 @@ def explain(arguments: Arguments, progress: Progress, seal: Seal = stay_open) ->
 def _of_scene(
     compute: Callable[..., dict[str, Any]], parse: Parse, arguments: Arguments, progress: Progress, seal: Seal
 ) -> dict[str, Any]:
-    catalogue, scene = load_catalogue(), arguments["scene"]
-    if arguments["file"] is not None:
-        # A file of a technique runs on the model it is made for, a model with the techniques for models.
-        subject = select(arguments["file"], catalogue, text=arguments["text"])
-        techniques = scene.get("techniques") or [technique.name for technique in subject.techniques]
-        scene = {**scene, "model": subject.model.name, "techniques": techniques}
-        catalogue = subject.catalogue
+    catalogue, scene = _with_files(arguments)
     question = resolve(parse(scene), catalogue)
     progress("compiling", 0, 1)
+    load_references(question.series)
     with Engine.open(catalogue, device=arguments["device"]) as engine:
         seal(engine, [(plan.model, plan.technique) for plan in question.series])
         return compute(question, engine, progress)
+
+
+def _with_files(arguments: Arguments) -> tuple[Catalogue, dict[str, Any]]:
+    """The catalogue with the files that a scene is about, and the scene with their names in the place of paths."""
+    catalogue, called = with_files(load_catalogue(), arguments.get("files", {}))
+    scene, file = dict(arguments["scene"]), arguments["file"]
+    if file is not None:
+        # A file of a technique runs on the model it is made for, a model with the techniques for models.
+        subject = select(file, catalogue, text=arguments["text"])
+        catalogue, scene["model"] = subject.catalogue, subject.model.name
+        called[file] = catalogue.file_of(file).name
+        if not scene.get("techniques"):
+            scene["techniques"] = [technique.name for technique in subject.techniques]
+    if scene.get("techniques"):
+        asked = [scene["techniques"]] if isinstance(scene["techniques"], str) else scene["techniques"]
+        scene["techniques"] = names = [called.get(name, name) for name in asked]
+        if file is not None and "model" not in catalogue.file_of(file).head.provides and called[file] not in names:
+            raise BadInput(Problem("techniques", ",".join(names), f"a list with {called[file]}, which is in {file}"))
+    return catalogue, scene
 
 
 WITH_TRUTH = frozenset({"statistics", "convergence"})

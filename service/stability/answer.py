@@ -44,7 +44,7 @@ def compute_stability(question: Question, engine: Engine, progress: Progress = l
         given = next((entry.origin for entry in (technique, model) if entry.own), technique.name)
         for check in one["checks"]:
             if check["replay"] is not None:
-                check["replay"]["command"] = replay_command(given, check["replay"])
+                check["replay"]["command"] = replay_command(given, check["replay"], engine.catalogue)
         for name, items in one.items():
             found[name] += items
     return {

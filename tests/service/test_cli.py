@@ -1,12 +1,14 @@
 """The command line as a user meets it: in a process of its own, on the real driver."""
 
+import contextlib
 import json
+import os
 import subprocess
 import sys
 
 import pytest
 
-from tests.service.command_line import samplerscope
+from tests.service.command_line import ROOT, samplerscope
 
 SMALL = ["stats", "--technique", "cosine,cltc-mis", "--theta-o-deg", "0,80", "--samples", "20000", "--seed", "3"]
 
@@ -67,6 +69,10 @@ def test_another_seed_gives_other_samples_of_the_same_law():
         (["--samples", "0"], ["samples", "0", "1 to"]),
         (["--samples", "-5"], ["samples", "-5", "1 to"]),
         (["--samples", "1.5"], ["samples", "1.5", "whole number"]),
+        (["--samples", "inf"], ["samples", "inf", "whole number"]),
+        (["--set", "roughness=1", "--set", "roughness=0.5"], ["roughness=0.5", "once"]),
+        (["--model", "eon", "--preset", "red-velvet"], ["model", "eon", "--preset red-velvet"]),
+        (["--model", "no-such.file"], ["no-such.file", "can be read"]),
         (["--method", "magic"], ["method", "magic", "mc"]),
         (["--statistics", "median"], ["statistics", "median", "variance"]),
         (["--format", "xml"], ["format", "xml", "json"]),
@@ -90,6 +96,92 @@ def test_an_unwritable_output_is_found_before_anything_is_computed(tmp_path):
     assert done.returncode == 2
     assert "folder" in done.stderr
     assert list((tmp_path / "folder.json").iterdir()) == []
+
+
+@pytest.mark.parametrize("option", [["--format", "png"], ["-o", "card.svg"]])
+def test_a_format_that_a_command_has_not_is_found_before_anything_is_computed(option, tmp_path):
+    done = samplerscope("stability", *option)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    (line,) = done.stderr.strip().splitlines()
+    assert "json" in line
+
+
+def on_a_terminal(*arguments, columns):
+    """The exit code, and what a pseudo-terminal with so many columns shows of stdout."""
+    command = [sys.executable, "-c", "from service.cli import main; main()", *arguments]
+    here, there = os.openpty()
+    done = subprocess.Popen(
+        command, stdout=there, stderr=subprocess.DEVNULL, env={**os.environ, "COLUMNS": str(columns)}
+    )
+    os.close(there)
+    shown = b""
+    with contextlib.suppress(OSError):  # the end of a pseudo-terminal
+        while part := os.read(here, 1 << 16):
+            shown += part
+    os.close(here)
+    return done.wait(60), shown.decode().replace("\r\n", "\n")
+
+
+@pytest.mark.parametrize(("columns", "least", "most"), [(80, 0, 80), (200, 81, 120)])
+def test_a_table_fits_the_terminal(columns, least, most):
+    """The table of a file or a pipe has lines of over 80 columns."""
+    code, shown = on_a_terminal(*SMALL, columns=columns)
+    assert code == 0
+    assert "variance" in shown
+    assert least <= max(map(len, shown.splitlines())) <= most
+
+
+def test_a_picture_is_not_printed_on_a_terminal():
+    assert on_a_terminal(*SMALL, "--format", "png", columns=80) == (2, "")
+
+
+@pytest.mark.parametrize("name", ["-", "/dev/stdout"])
+def test_a_dash_is_standard_output_which_keeps_what_others_wrote_there(name, tmp_path):
+    out = tmp_path / "out.csv"
+    with out.open("w") as stream:
+        stream.write("first\n")
+        stream.flush()
+        command = [sys.executable, "-c", "from service.cli import main; main()", *SMALL, "--format", "csv", "-o", name]
+        subprocess.run(
+            command,
+            stdout=stream,
+            stderr=subprocess.DEVNULL,
+            timeout=120,
+            check=True,
+            cwd=tmp_path,
+            env={**os.environ, "PYTHONPATH": str(ROOT)},
+        )
+    first, head, *rows = out.read_text().splitlines()
+    assert (first, head.split(",")[0], len(rows)) == ("first", "model", 4)
+    assert list(tmp_path.iterdir()) == [out]
+
+
+@pytest.mark.parametrize("closed", ["1>&-", "2>&-"])
+def test_a_stream_that_is_closed_is_no_error(closed):
+    script = f'"$0" -c "from service.cli import main; main()" {" ".join(SMALL)} {closed}'
+    done = subprocess.run(
+        ["/bin/sh", "-c", script, sys.executable], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert done.returncode == 0
+    assert "Traceback" not in done.stderr
+    assert ("variance" in done.stdout) == (closed == "2>&-")
+
+
+def test_a_count_may_have_an_exponent():
+    (plain,), (short,) = (
+        numbers(result_of("stats", "--technique", "cosine", "--angles", "1", "--samples", count))
+        for count in ("20000", "2e4")
+    )
+    assert plain == short
+
+
+def test_a_wrong_command_names_those_there_are_and_none_shows_the_help():
+    wrong, none = samplerscope("stat"), samplerscope()
+    assert wrong.returncode == none.returncode == 2
+    (line,) = wrong.stderr.strip().splitlines()
+    assert "stat: allowed is one of info, stats" in line
+    assert none.stderr.startswith("Usage: samplerscope")
 
 
 @pytest.mark.parametrize("variable", ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"])
@@ -126,6 +218,14 @@ def test_info_names_the_driver_and_the_catalogue():
     found = result_of("info")
     assert "llvmpipe" in found["device"]["name"]
     assert {entry["name"] for entry in found["catalogue"]["techniques"]} >= {"cosine", "cltc-mis"}
+    assert "red-velvet" in found["presets"]
+
+
+def test_the_text_of_info_keeps_names_and_titles_apart():
+    text = samplerscope("info").stdout
+    for kind in ("models", "techniques"):
+        for entry in result_of("info")["catalogue"][kind]:
+            assert f"  {entry['name']}  " in text
 
 
 def test_memory_does_not_grow_with_the_number_of_samples():

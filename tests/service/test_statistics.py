@@ -5,6 +5,7 @@ bounds below allow what a correct sampler passes with a probability of at least 
 """
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -83,6 +84,19 @@ def test_error_bars_are_trusted_up_to_89_degrees_and_not_beyond_where_they_fail(
             assert {89.9, 89.99} <= heavy
         if series["technique"] in ("uniform", "cltc-mis"):
             assert not heavy
+
+
+def test_a_finding_at_grazing_names_angles_below_90_and_counts_that_can_be_read(session_engine):
+    data = {
+        "model": "eon",
+        "techniques": ["cosine"],
+        "theta_o_deg": [89.999999999999, 10],
+        "estimator": {"samples": 10},
+    }
+    (series,) = compute_statistics(resolve(parse_scene(data), session_engine.catalogue), session_engine)["series"]
+    (finding,) = series["verdict"]["findings"]
+    assert "10 to 89.999999999999 degrees" in finding["message"]
+    assert re.search(r"; \de\+\d\d samples, more than a scene may ask for, would do", finding["message"])
 
 
 def test_convergent_techniques_have_no_finding_but_heavy_tails(grid):

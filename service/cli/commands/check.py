@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from functools import partial
 from typing import Any
 
 import click
 
-from service.catalogue import is_file, own_text
 from service.cli.delivery import StageLine, deliver, deliver_with_reports
-from service.cli.options import integer, names, output_options, report_option
+from service.cli.options import integer, names, output_options, report_option, settings_of
+from service.cli.own_file import own_texts
 from service.errors import BadInput, Problem
 
 
-@click.command()
+@click.command(short_help="Is it right at all: the whole battery on one file or name.")
 @click.argument("subject")
-@click.option("--model", metavar="NAME", help="Model for a technique. Default: eon, or the first it is made for.")
+@click.option("--model", metavar="NAME|FILE", help="Model for a technique. Default: eon, or the first it is made for.")
 @click.option(
-    "--technique", "--techniques", metavar="NAME,...", help="Techniques for a model. Default: cosine,uniform."
+    "--technique", "--techniques", metavar="NAME|FILE,...", help="Techniques for a model. Default: cosine,uniform."
 )
 @click.option("--set", "settings", multiple=True, metavar="NAME=VALUE", help="Fix a parameter, which is swept else.")
 @click.option("--quick", is_flag=True, help="A few seconds, at the lower power that each check states.")
@@ -26,7 +26,7 @@ from service.errors import BadInput, Problem
 @click.option("--wo", metavar="X,Y,Z", help="Replay: evaluate once for this view, as numbers or float bits.")
 @click.option("--u", "u", metavar="U1,U2", help="Replay: the random numbers.")
 @click.option("--wi", metavar="X,Y,Z", help="Replay: the direction, in place of random numbers.")
-@output_options
+@partial(output_options, formats="table, json, csv")
 def check(
     subject: str,
     model: str | None,
@@ -50,28 +50,29 @@ def check(
         "subject": subject,
         "model": model,
         "techniques": names(technique),
-        "fixed": dict(_fixed(text) for text in settings),
+        "fixed": settings_of(settings, _fixed),
         "device": device,
         "quick": quick,
         "seed": _seed(seed),
     }
     if wo is not None:
         arguments |= _replay_inputs(wo, u, wi)
-        deliver(lambda: _run("replay", arguments), format_, outputs)
+        deliver("replay", lambda: _run("replay", arguments), format_, outputs)
         return
     if u is not None or wi is not None:
         raise BadInput(Problem("wo", None, "a view, where --u or --wi is given"))
-    deliver_with_reports(lambda: _run("check", arguments), reports, format_, outputs)
+    deliver_with_reports("check", lambda: _run("check", arguments), reports, format_, outputs)
 
 
 def _run(task: str, arguments: dict[str, Any]) -> dict[str, Any]:
     """A user's file runs in a process of its own; an entry of the catalogue here."""
     from service.isolation import run_isolated
 
+    files = own_texts([arguments["subject"], arguments["model"], *(arguments["techniques"] or [])])
     with StageLine() as progress:
-        if is_file(arguments["subject"]):
-            text = own_text(Path(arguments["subject"]))
-            return run_isolated(task, arguments | {"text": text}, progress)
+        if files:
+            text = files.pop(arguments["subject"], None)
+            return run_isolated(task, arguments | {"text": text, "files": files}, progress)
         from service.isolation.tasks import TASKS, stay_open
 
         return TASKS[task](arguments | {"text": None}, progress, stay_open)

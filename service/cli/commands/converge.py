@@ -2,19 +2,32 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import click
 
-from service.catalogue import is_file
 from service.cli.delivery import ProgressLine, deliver
 from service.cli.options import given, integer, names, number, output_options, scene_data, scene_options
-from service.cli.own_file import answer_for_file
+from service.cli.own_file import answer_for_files, scene_texts
 from service.convergence.scene import ConvergenceScene, parse_convergence_scene
 
 
-@click.command()
-@scene_options
+@click.command(short_help="Error against run time: which technique is quiet first.")
+@partial(
+    scene_options,
+    helps={
+        "--model": "A name or a .glsl file. Default: eon.",
+        "--angles": "N view angles from 0 to 89.91 degrees.",
+        "--theta-o-deg": "View angles in degrees, 0 to below 90. Default: 0,45,80,89.",
+        "--method": "Out of mc, qmc, quadrature, separated by commas. Default: all.",
+        "--samples": "Largest number of samples of the curves, to the nearest power of 2. Default: 1048576.",
+        "--statistics": None,
+        "--tolerance": None,
+        "--no-error-bars": None,
+        "--no-reference": None,
+    },
+)
 @click.option("--target-error", metavar="X", help="Relative error whose time is asked for. Default: 0.01.")
 @click.option("--replicates", metavar="N", help="Independent replicates of each curve. Default: 32.")
 @click.option("--efficiency-over", metavar="NAME,...", help="What the efficiency table sweeps. Default: all read.")
@@ -30,10 +43,10 @@ def converge(
     **options: Any,
 ) -> None:
     """Error against run time: which technique reaches a target first, and which estimator measures it first. The model
-    may be a .glsl file.
+    and techniques may be .glsl files.
 
-    --method takes a list here; by default all three estimators are compared, at 0, 45, 80 and 89 degrees, up to
-    --samples 1048576.
+    The other options of a scene (--statistics, --tolerance, --no-error-bars, --no-reference) are accepted and play no
+    part.
     """
     data = scene_data(method=None, **options) | given(
         target_error=number("target_error", target_error),
@@ -41,12 +54,11 @@ def converge(
         estimators=names(method),
         efficiency_over=names(efficiency_over),
     )
-    path = options["model"]
-    if is_file(path):
-        deliver(lambda: answer_for_file("convergence", path, data, device), format_, outputs)
+    if files := scene_texts(data):
+        deliver("convergence", lambda: answer_for_files("convergence", files, data, device), format_, outputs)
         return
     scene = parse_convergence_scene(data)
-    deliver(lambda: convergence_of(scene, device), format_, outputs)
+    deliver("convergence", lambda: convergence_of(scene, device), format_, outputs)
 
 
 def convergence_of(scene: ConvergenceScene, device: str | None) -> dict[str, Any]:

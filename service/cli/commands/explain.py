@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import click
 
-from service.catalogue import is_file
 from service.cli.delivery import ProgressLine, deliver
 from service.cli.options import output_options, scene_data, scene_options
-from service.cli.own_file import answer_for_file
+from service.cli.own_file import answer_for_files, scene_texts
 
 
-@click.command()
-@scene_options
-@output_options
+@click.command(short_help="What a scene's shaders leave out, and what that saves.")
+@partial(scene_options, helps={"--method": "Estimator: mc or qmc. Default: mc."})
+@partial(output_options, formats="table, json, csv")
 def explain(format_: str | None, outputs: tuple[str, ...], device: str | None, **options: Any) -> None:
-    """What the shaders of a scene leave out, and what that saves: measured beside those that keep everything."""
-    path = options["model"]
-    if is_file(path):
-        deliver(lambda: answer_for_file("explain", path, scene_data(**options), device), format_, outputs)
+    """What the shaders of a scene leave out, and what that saves: measured beside those that keep everything.
+
+    The model and techniques may be .glsl files.
+    """
+    data = scene_data(**options)
+    if files := scene_texts(data):
+        deliver("explain", lambda: answer_for_files("explain", files, data, device), format_, outputs)
         return
-    deliver(lambda: explanation_of(scene_data(**options), device), format_, outputs)
+    deliver("explain", lambda: explanation_of(data, device), format_, outputs)
 
 
 def explanation_of(data: dict[str, Any], device: str | None) -> dict[str, Any]:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from service.figures import AnyChart
 
 
-@click.command()
+@click.command(short_help="A figure or table of a paper, by name.")
 @click.argument("name")
 @click.option("--samples", metavar="N", help="Samples for each angle, in place of the figure's own number.")
 @click.option("--seed", metavar="N", help="Seed of the random numbers.")
@@ -53,4 +53,4 @@ def figure(
         with Engine.open(device=device) as engine, ProgressLine() as progress:
             return compute_figure(paper, scene, engine, progress)
 
-    deliver(compute, format_, outputs, None if paper.chart == "timings" else draw)
+    deliver(paper.kind, compute, format_, outputs, None if paper.chart == "timings" else draw)

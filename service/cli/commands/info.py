@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import click
 
 from service.cli.delivery import deliver
@@ -9,9 +11,9 @@ from service.cli.options import output_options
 
 
 @click.command()
-@output_options
+@partial(output_options, formats="table, json")
 def info(format_: str | None, outputs: tuple[str, ...], device: str | None) -> None:
     """Device, driver, versions and the catalogue."""
     from service.information import describe
 
-    deliver(lambda: describe(device), format_, outputs)
+    deliver("info", lambda: describe(device), format_, outputs)

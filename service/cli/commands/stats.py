@@ -6,24 +6,25 @@ from typing import Any
 
 import click
 
-from service.catalogue import is_file
 from service.cli.delivery import ProgressLine, deliver
 from service.cli.options import output_options, scene_data, scene_options
-from service.cli.own_file import answer_for_file
+from service.cli.own_file import answer_for_files, scene_texts
 from service.scene import Scene, parse_scene
 
 
-@click.command()
+@click.command(short_help="Mean, variance and largest weight, with error bars and verdict.")
 @scene_options
 @output_options
 def stats(format_: str | None, outputs: tuple[str, ...], device: str | None, **options: Any) -> None:
-    """Mean, variance and largest weight of techniques across view angles. The model may be a .glsl file."""
-    path = options["model"]
-    if is_file(path):
-        deliver(lambda: answer_for_file("statistics", path, scene_data(**options), device), format_, outputs)
+    """Mean, variance and largest weight of techniques across view angles. The model and techniques may be .glsl
+    files.
+    """
+    data = scene_data(**options)
+    if files := scene_texts(data):
+        deliver("statistics", lambda: answer_for_files("statistics", files, data, device), format_, outputs)
         return
-    scene = parse_scene(scene_data(**options))
-    deliver(lambda: statistics_of(scene, device), format_, outputs)
+    scene = parse_scene(data)
+    deliver("statistics", lambda: statistics_of(scene, device), format_, outputs)
 
 
 def statistics_of(scene: Scene, device: str | None) -> dict[str, Any]:

@@ -20,18 +20,20 @@ def rows(result: Result) -> tuple[list[str], Iterator[list[Any]]]:
 def text(result: Result) -> str:
     """The table for a terminal: ns a call on one driver thread, with quartiles, beside the paper's."""
     run = result["run"]
+    widths = [max(len(row[name] or "-") for row in result["rows"]) + 2 for name in ("model", "technique")]
     lines = [
         f"ns a call on one driver thread, inputs random in every call; median (quartiles) of {run['repeats']} repeats",
         f"paper: {result['source']}, one thread of an AMD 3970X",
         "",
-        f"{'model':<18}{'technique':<22}{'task':<8}{'ns':>8}   {'quartiles':<16}{'paper':>8}",
+        f"{'model':<{widths[0]}}{'technique':<{widths[1]}}{'task':<8}{'ns':>8}   {'quartiles':<16}{'paper':>8}",
     ]
     for row in result["rows"]:
         low, high = row["call_ns_quartiles"]
         paper = "-" if row["paper_ns"] is None else f"{row['paper_ns']:.1f}"
         name = row["technique"] or "-"
         spread = f"{low:.1f} to {high:.1f}"
-        lines.append(f"{row['model']:<18}{name:<22}{row['task']:<8}{row['call_ns']:>8.1f}   {spread:<16}{paper:>8}")
+        names = f"{row['model']:<{widths[0]}}{name:<{widths[1]}}"
+        lines.append(f"{names}{row['task']:<8}{row['call_ns']:>8.1f}   {spread:<16}{paper:>8}")
     empty = [row["empty_ns"] for row in result["rows"]]
     lines += [
         "",

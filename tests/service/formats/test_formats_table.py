@@ -92,6 +92,7 @@ def test_speed_is_samples_of_all_angles_over_device_time():
         ([0.0, 45.0], ["0", "45"]),
         ([0.0, 89.99], ["0.00", "89.99"]),
         ([89.99991, 89.99992], ["89.99991", "89.99992"]),
+        ([0.0, 89.999999999999], ["0", "89.999999999999"]),
     ],
 )
 def test_angles_have_as_few_decimals_as_keep_them_apart(angles, texts):
