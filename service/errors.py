@@ -25,6 +25,12 @@ class Problem:
         return f"{self.field} = {_short(self.value)}: allowed is {self.allowed}"
 
 
+def allowed_in_words(message: str) -> str:
+    """What a field allows, out of Pydantic's message about a value that it does not."""
+    what = message.removeprefix("Input should be ").partition(", unable to parse")[0]
+    return what.replace("a valid integer", "a whole number").replace("a valid ", "a ")
+
+
 class SamplerscopeError(Exception):
     """Base of all errors of this package."""
 

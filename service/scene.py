@@ -25,7 +25,7 @@ from pydantic import (
 )
 
 from service.catalogue import Catalogue, Entry, Parameter
-from service.errors import BadInput, Problem
+from service.errors import BadInput, Problem, allowed_in_words
 
 Statistic = Literal["mean", "variance", "max_weight"]
 STATISTICS: tuple[Statistic, ...] = ("mean", "variance", "max_weight")
@@ -282,4 +282,4 @@ def _allowed(field: str, kind: str, context: Mapping[str, Any], message: str) ->
             return str(context["expected"]).replace("'", "")
     named = re.sub(r"\.\d+", "", field)
     known = _ALLOWED.get(named) or _ALLOWED.get(named.partition(".")[0])
-    return known or message.removeprefix("Input should be ").replace("a valid ", "a ")
+    return known or allowed_in_words(message)

@@ -8,7 +8,7 @@ import platformdirs
 from pydantic import Field, SecretStr, ValidationError
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
-from service.errors import BadInput, Problem
+from service.errors import BadInput, Problem, allowed_in_words
 
 
 class Settings(BaseSettings):
@@ -54,7 +54,7 @@ def load_settings(**given: object) -> Settings:
                 Problem(
                     "SAMPLERSCOPE_" + "_".join(map(str, item["loc"])).upper(),
                     item["input"],
-                    item["msg"].removeprefix("Input should be ").replace("a valid ", "a "),
+                    allowed_in_words(item["msg"]),
                 )
                 for item in error.errors(include_url=False)
             ]

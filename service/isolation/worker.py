@@ -59,6 +59,9 @@ def main() -> None:
         )
     except MemoryError:
         say(error="out of memory", no_device=False, diagnostics=[], problems=[])
+    except Exception as error:
+        fault = f"a fault of samplerscope itself, not of the file: {type(error).__name__}: {error}"
+        say(error=fault, no_device=False, diagnostics=[], problems=[])
     channel.flush()
     # The driver's threads may still be at work; nothing of theirs is wanted.
     os._exit(0)
