@@ -26,9 +26,9 @@ from service.scene import (
 class ConvergenceScene(Scene):
     """A scene with what a study of errors needs beyond it.
 
-    `estimator.samples` is the largest count of the curves, to the nearest power of two; `estimator.method`, where it is
-    given, is the only estimator. `efficiency_over` names the parameters that the efficiency table sweeps; empty, these
-    are all that the techniques read.
+    `estimator.samples` is the largest count of the curves, to the nearest power of two and at least 128: a slope needs
+    four counts. `estimator.method`, where it is given, is the only estimator. `efficiency_over` names the parameters
+    that the efficiency table sweeps; empty, these are all that the techniques read.
     """
 
     theta_o_deg: AngleCount | Annotated[list[Angle], Field(min_length=1, max_length=MAX_ANGLES)] = Field(
@@ -43,7 +43,7 @@ class ConvergenceScene(Scene):
     @property
     def counts(self) -> list[int]:
         """Sample counts of the curves: 2^4 up to the power of two nearest to the samples asked for."""
-        last = max(5, round(math.log2(self.estimator.samples)))
+        last = max(7, round(math.log2(self.estimator.samples)))
         return [2**k for k in range(4, last + 1)]
 
 

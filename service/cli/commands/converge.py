@@ -21,7 +21,7 @@ from service.convergence.scene import ConvergenceScene, parse_convergence_scene
         "--angles": "N view angles from 0 to 89.91 degrees.",
         "--theta-o-deg": "View angles in degrees, 0 to below 90. Default: 0,45,80,89.",
         "--method": "Out of mc, qmc, quadrature, separated by commas. Default: all.",
-        "--samples": "Largest number of samples of the curves, to the nearest power of 2. Default: 1048576.",
+        "--samples": "Largest count of the curves, to the nearest power of 2, 128 at least. Default: 1048576.",
         "--statistics": None,
         "--tolerance": None,
         "--no-error-bars": None,

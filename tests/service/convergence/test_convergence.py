@@ -154,6 +154,7 @@ def test_a_parsed_scene_parses_again_to_itself():
     scene = parse_convergence_scene({"model": "eon", "estimator": {"method": "qmc", "seed": 3}})
     assert scene.estimators == ["qmc"]
     assert scene.counts[-1] == 2**20
+    assert parse_convergence_scene({"model": "eon", "estimator": {"samples": 1}}).counts == [16, 32, 64, 128]
     assert parse_convergence_scene(scene.model_dump(mode="json")) == scene
 
 
