@@ -100,7 +100,7 @@ def below_of_visible(wo: Array, alpha: Alpha, cut: float = 0.0) -> float:
     def beyond(rho: Array) -> Array:
         return np.asarray(1.0 / (1.0 + rho**2) + lean * (np.arctan2(1.0, rho) + rho / (1.0 + rho**2)))
 
-    last = 1.0 / np.maximum(-lean, 1e-300)
+    last = 1.0 / np.maximum(-lean, 1e-100)
     masking = 1.0 / (1.0 + float(auxiliary(wo, alpha)))
     share = masking * (beyond(rim) - np.where(lean < 0.0, beyond(last), 0.0))
     below = float(np.sum(weights * share) / (2.0 * np.pi))
