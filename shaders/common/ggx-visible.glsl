@@ -22,8 +22,8 @@ float ggx_visible_density(vec3 wo, vec3 wi, float spared, float mx, float my) {
     return drawn ? ggx_cap_density(wo, h, spared, mx, my) : 0.0;
 }
 
-// The mirror image of wo about a normal n of the stretched space, of any length; `facing` is its product with wo stretched,
-// which needs no sum where n is known by it.
+// The mirror image of wo about a normal n of the stretched space, of any length. `facing` is the product of n with wo
+// stretched, which samplers know by construction; as a sum it cancels at grazing views.
 vec3 ggx_reflection(vec3 wo, vec3 n, float facing, float mx, float my) {
     vec3 h = ggx_stretched(n, mx, my);
     return 2.0 * facing / dot(h, h) * h - wo;

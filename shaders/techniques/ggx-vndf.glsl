@@ -24,7 +24,7 @@ DirectionSample sample_direction(vec3 wo, vec2 u) {
     float sine = dot(view.xy, direction);
     vec2 point = sqrt(u.x) * point_on_circle(u.y);
     float rest = 1.0 - u.x;
-    float chord = sqrt(rest + point.y * point.y); // half of it
+    float chord = sqrt(rest + point.y * point.y); // half its length
     float longer = chord + abs(point.y), shorter = rest / longer;
     float to_top = point.y > 0.0 ? shorter : longer, to_bottom = point.y > 0.0 ? longer : shorter;
     float share = 0.5 * (1.0 + view.z), squeeze = 0.5 * sine * sine / (1.0 + view.z); // share + squeeze = 1
