@@ -60,6 +60,10 @@ FAULTS = (
     Fault(("ward",), ("cosine",), ("supremum",), "weights grow like cos^-1/2 towards the horizon"),
     Fault(("ward-duer",), (), ("energy",), "albedo grows like cos^-1 at grazing view"),
     Fault(("ward-duer",), ("cosine",), ("tail", "supremum"), "weights grow like cos^-1: no variance"),
+    Fault(
+        ("ggx",), ("ggx-half-vector",), ("supremum",),
+        "a bound, but up to 1/(alpha cos), next to grazing towards the view; weights still grow where the search ends",
+    ),
 )  # fmt: skip
 
 

@@ -48,6 +48,8 @@ CHOSEN = [
     ("ashikhmin-shirley", "ashikhmin-shirley"),
     ("blinn-phong", "uniform"),
     ("cook-torrance", "beckmann-half-vector"),
+    ("ggx", "ggx-vndf"),
+    ("ggx", "ggx-vndf-bounded"),
     ("kurt", "beckmann-half-vector"),
     ("kurt-coupled", "half-vector-cosine"),
     ("kurt-multilobe", "kurt-multilobe"),

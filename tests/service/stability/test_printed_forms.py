@@ -29,8 +29,10 @@ def evidence(engine, model, technique, file=None):
     [
         (("printed-eon", "cosine", "printed-eon"), ("eon", "cosine")),
         (("eon", "printed-cltc", "printed-cltc"), ("eon", "cltc")),
+        (("printed-ggx", "cosine", "printed-ggx"), ("ggx", "cosine")),
+        (("ggx", "printed-ggx-vndf-caps", "printed-ggx-vndf-caps"), ("ggx", "ggx-vndf-caps")),
     ],
-    ids=["eon", "cltc"],
+    ids=["eon", "cltc", "ggx", "ggx-vndf-caps"],
 )
 def test_the_stable_forms_are_finite_and_keep_their_digits_where_the_printed_do_not(engine, printed, stable):
     before, lost_before = evidence(engine, *printed)
@@ -43,6 +45,20 @@ def test_the_stable_forms_are_finite_and_keep_their_digits_where_the_printed_do_
 
 def test_the_printed_clipped_lobe_is_unstable_too(engine):
     assert evidence(engine, "eon", "printed-cltc", "printed-cltc")[0]["wrong"] > 1000
+
+
+def test_printed_caps_reflect_to_the_wrong_side_where_the_half_vector_is_a_difference(engine):
+    """From 89.4 degrees the point behind wo on the rim is all but -wo: the printed sum of both has no digit left."""
+    catalogue = load_catalogue().with_file(PRINTED / "printed-ggx-vndf-caps.glsl")
+    wo = (np.array([[1.0, 0.0, 0.01]]) / np.hypot(1.0, 0.01)).astype(np.float32)
+    u, row, found = np.array([[1 - 2.0**-24, 0.5]]), np.array([[1.0, 10.0, 0.001]], np.float32), {}
+    for technique in ("printed-ggx-vndf-caps", "ggx-vndf-caps"):
+        at = Engine(engine.device, catalogue, engine.cache)
+        probe = Probe(at, catalogue.model("ggx"), catalogue.technique(technique))
+        single, exact = (probe.draw(wo, u, row, precision).wi[0] for precision in ("float", "double"))
+        found[technique] = np.abs(single - exact).max()
+    assert found["printed-ggx-vndf-caps"] > 1.9
+    assert found["ggx-vndf-caps"] < 1e-6
 
 
 PRINTED_MISSING = """
