@@ -177,8 +177,8 @@ def check_supremum(probe: Probe, t: Tails) -> Outcome:
         )
     return failed(
         "supremum",
-        f"the weight has no upper bound: {t.largest[worst]:.3g} found by search, still growing; one sample in 4,096 "
-        f"exceeds {exceeded[worst]:.3g}",
+        f"the weight has no upper bound, or one beyond the search: {t.largest[worst]:.3g} found, still growing; one "
+        f"sample in 4,096 exceeds {exceeded[worst]:.3g}",
         power,
         replay(probe, t.cells.wo[worst], t.cells.parameters[worst], u=t.u[worst]),
         largest_found=float(t.largest[worst]),
