@@ -9,6 +9,7 @@ What the device and the compiler raise is the tree of `lavapipe.errors`.
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -22,7 +23,7 @@ class Problem:
     allowed: str
 
     def __str__(self) -> str:
-        return f"{self.field} = {_short(self.value)}: allowed is {self.allowed}"
+        return f"{self.field} = {_on_one_line(self.value)}: allowed is {self.allowed}"
 
 
 def allowed_in_words(message: str) -> str:
@@ -47,7 +48,16 @@ class ShaderFileError(SamplerscopeError, ValueError):
     """A shader file that breaks the contract: names the file, the line where known, and the rule."""
 
 
-def _short(value: object) -> str:
-    text = value if isinstance(value, str) else repr(value)
-    text = " ".join(str(text).split())
-    return text if len(text) <= 80 else text[:77] + "..."
+_LONGEST = 1000
+_repr = reprlib.Repr()
+_repr.maxlist = _repr.maxdict = _repr.maxstring = _repr.maxlong = _repr.maxother = _LONGEST
+
+
+def short(value: object, most: int) -> str:
+    """A value that somebody gave as text of at most so many characters, in time that its size does not matter for."""
+    text = value[:_LONGEST] if isinstance(value, str) else _repr.repr(value)
+    return text if len(text) <= most else text[: most - 3] + "..."
+
+
+def _on_one_line(value: object) -> str:
+    return short(" ".join(short(value, _LONGEST).split()), 80)

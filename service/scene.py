@@ -236,7 +236,7 @@ def scene_problems(error: ValidationError) -> list[Problem]:
     found: dict[tuple[str, ...], Problem] = {}
     above: set[tuple[str, ...]] = set()
     for item in error.errors(include_url=False):
-        path = tuple(str(part) for part in item["loc"] if not _is_branch(part))
+        path = _path(item["loc"])
         if path in found or path in above:
             continue
         for length in range(len(path)):
@@ -247,9 +247,12 @@ def scene_problems(error: ValidationError) -> list[Problem]:
     return list(found.values())
 
 
-def _is_branch(part: object) -> bool:
-    """Whether a step of an error's path only names a branch of a union."""
-    return isinstance(part, str) and ("[" in part or part == AngleCount.__name__)
+def _path(place: Sequence[int | str]) -> tuple[str, ...]:
+    """The path of an error, without the step that only names a branch of the union that `theta_o_deg` is."""
+    steps = [str(step) for step in place]
+    if steps[:1] == ["theta_o_deg"]:
+        del steps[1:2]
+    return tuple(steps)
 
 
 _ALLOWED = {

@@ -18,7 +18,7 @@ from typing import Any
 from starlette.responses import Response
 
 from lavapipe import CompileError, LavapipeError, OutOfMemory
-from service.errors import BadInput, SamplerscopeError
+from service.errors import BadInput, SamplerscopeError, short
 from service.formats import UnknownFormat
 from service.isolation import OwnFileFailed
 from service.jobs.answers import TimedOut, TooManyRequests
@@ -140,5 +140,4 @@ def _plain(value: object) -> Any:
         return str(value)
     if value is None or isinstance(value, bool | int | float):
         return value
-    text = value if isinstance(value, str) else repr(value)
-    return text if len(text) <= 200 else text[:197] + "..."
+    return short(value, 200)

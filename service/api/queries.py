@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import math
 from collections.abc import Collection, Mapping, Sequence
@@ -22,6 +23,7 @@ _LISTS = frozenset({"techniques", "statistics", "theta_o_deg", "phi_o_deg", "est
 _NOT_IN_QUERY = frozenset({"parameters", "estimator"})
 _IN_CATALOGUE = ("model", "techniques", "parameters", "zip")
 _QUICK_SERIES = 1000
+_QUICK_BYTES = 1 << 16
 _MAX_MEMBERS = 1000
 """Most members of one JSON object: a wrong name is told one by one."""
 
@@ -120,11 +122,18 @@ async def json_of_body(request: Request) -> Any:
     if media_type != "application/json":
         raise HttpError(415, "unsupported-media-type", "the body must be application/json")
     try:
-        return json.loads(await request.body(), parse_constant=_refuse, object_pairs_hook=_members)
+        body = await request.body()
+        if len(body) > _QUICK_BYTES:
+            return await asyncio.to_thread(_parsed, body)
+        return _parsed(body)
     except ClientDisconnect:
         raise ClientGone from None
     except (ValueError, RecursionError) as error:
         raise HttpError(400, "malformed-json", f"the body is not JSON: {str(error)[:200]}") from None
+
+
+def _parsed(body: bytes) -> Any:
+    return json.loads(body, parse_constant=_refuse, object_pairs_hook=_members)
 
 
 def _members(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:

@@ -37,6 +37,9 @@ PICTURE_BEAT_TIMEOUT_S = 30.0
 OWN_FILES_WAITING = 4
 """A file may take most of a minute: more that wait would only wait in vain."""
 
+_COUNTLESS = 10**15
+"""More series than this are so many: a product of a thousand sweeps has a thousand digits."""
+
 _QUICK_SERIES = 200
 """Questions of more series are checked in a thread; of fewer, at once, which takes less than the switch would."""
 
@@ -147,7 +150,8 @@ class Services:
         """How many series a scene may have, without making them."""
         together = {name for group in scene.zip for name in group[1:]}
         lengths = [len(values) for name, values in scene.parameters.items() if name not in together]
-        return math.prod(lengths) * (len(scene.techniques) if scene.techniques else len(self.catalogue.techniques))
+        techniques = len(scene.techniques) if scene.techniques else len(self.catalogue.techniques)
+        return min(math.prod(lengths) * techniques, _COUNTLESS)
 
     async def estimate(self, asked: Asked) -> Estimate:
         """What an answer will cost."""
