@@ -150,6 +150,11 @@ def format_parameter(kind: str = "statistics") -> Part:
     )
 
 
+def limit_parameter(most: int) -> Part:
+    """`?limit=` of a list."""
+    return _query("limit", "How many.", {"type": "integer", "minimum": 1, "maximum": most, "default": most})
+
+
 def _query(name: str, description: str, schema: Part, **more: Any) -> Part:
     part: Part = {"name": name, "in": "query", "description": description, "schema": schema, **more}
     if name in _EXAMPLE_QUERY and "example" not in part:

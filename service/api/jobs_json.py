@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
 
@@ -35,7 +35,19 @@ def _time(seconds: float) -> str:
 
 def json_response(data: Mapping[str, Any], status: int = 200, **headers: str) -> Response:
     """Plain data as JSON that is not kept by caches."""
-    content = json.dumps(data, allow_nan=False).encode()
+    return _response(_encoded(data), status, **headers)
+
+
+def jobs_response(jobs: Sequence[Job]) -> Response:
+    """A list of jobs."""
+    return _response(b'{"kind": "jobs", "jobs": [' + b", ".join(_encoded(job_json(job)) for job in jobs) + b"]}")
+
+
+def _encoded(data: Mapping[str, Any]) -> bytes:
+    return json.dumps(data, allow_nan=False).encode()
+
+
+def _response(content: bytes, status: int = 200, **headers: str) -> Response:
     return Response(content, status, {"cache-control": "no-store", **headers}, "application/json")
 
 

@@ -18,7 +18,6 @@ from service.worker.kinds import KINDS
 from service.worker.lane import Lane, Task
 
 MEMORY_BYTES = 64 << 20
-PRUNE_EVERY = 50
 STORE_AFTER_S = 0.05
 """Answers are stored together, so long after the first of them: storing one at once would delay its way out."""
 _log = logging.getLogger("samplerscope.answers")
@@ -60,10 +59,9 @@ class Answers:
     _flights: dict[str, _Flight] = field(default_factory=dict)
     _memory: OrderedDict[str, Stored] = field(default_factory=OrderedDict)
     _memory_bytes: int = 0
-    # Keys on disk, and some that were pruned since: what is not among them need not be looked for.
+    # Keys that are on disk, or soon will be: what is not among them need not be looked for.
     _on_disk: set[str] = field(default_factory=set)
     _unstored: dict[str, Stored] = field(default_factory=dict)
-    _kept: int = 0
     _clients: Counter[str] = field(default_factory=Counter)
     # SQLite in a thread of its own: the event loop never waits for the disk.
     _disk: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1, "store"))
@@ -79,6 +77,10 @@ class Answers:
         """Store what is not stored yet, and wait for that."""
         self._store_all()
         self._disk.shutdown(wait=True)
+
+    def prune(self) -> None:
+        """Let go what is stored beyond the limits. In the thread of the store."""
+        self._on_disk -= self.store.prune()
 
     async def find(self, key: str) -> Stored | None:
         """The stored answer of this key."""
@@ -216,9 +218,6 @@ class Answers:
     def _keep(self, answers: Mapping[str, Stored]) -> None:
         try:
             self.store.keep_results(answers)
-            self._kept += len(answers)
-            if self._kept >= PRUNE_EVERY:
-                self._kept = 0
-                self.store.prune()
+            self.prune()
         except Exception:
             _log.exception("%d answers could not be stored", len(answers))

@@ -64,6 +64,8 @@ class Jobs:
         self._describe = describe
         self._on_state = on_state
         self._live: dict[str, _Live] = {}
+        # Jobs whose end could not be stored: there they are unfinished, and the next server goes on with them.
+        self._ended: dict[str, Job] = {}
         self._stopping = False
 
     async def resume(self) -> None:
@@ -109,16 +111,16 @@ class Jobs:
 
     async def job(self, job_id: str) -> Job | None:
         """The job of this id as it stands."""
-        live = self._live.get(job_id)
-        if live is not None:
-            return live.job
-        found: Job | None = await self._answers.on_disk(self._store.job, job_id)
-        return found
+        found: Job | None = self._in_memory(job_id)
+        return found or await self._answers.on_disk(self._store.job, job_id)
+
+    def _in_memory(self, job_id: str) -> Job | None:
+        return self._live[job_id].job if job_id in self._live else self._ended.get(job_id)
 
     async def latest(self, limit: int) -> list[Job]:
         """The latest jobs, newest first."""
         jobs: list[Job] = await self._answers.on_disk(self._store.jobs, limit)
-        return [self._live[job.id].job if job.id in self._live else job for job in jobs]
+        return [self._in_memory(job.id) or job for job in jobs]
 
     async def cancel(self, job_id: str) -> Job | None:
         """Cancel a job, which frees the device after its next launch, and wait for that. A finished one stays."""
@@ -230,7 +232,7 @@ class Jobs:
             await self._answers.on_disk(self._store.finish_job, live.job, stored)
         except Cancelled:
             if self._stopping:
-                await self._keep_unsaved(live)
+                await self._put_off(live)
                 return
             state = "cancelled"
         except Exception as failure:
@@ -239,14 +241,17 @@ class Jobs:
         try:
             if state != "done":
                 await self._answers.on_disk(self._store.keep_job, live.job)
-            await self._answers.on_disk(self._store.prune)
+            await self._answers.on_disk(self._answers.prune)
         except Exception:
             _log.exception("what became of a job could not be stored", extra={"job": live.job.id})
+            self._ended[live.job.id] = live.job
         self._on_state(state)
         del self._live[live.job.id]
         live.tell(state, error or {})
 
-    async def _keep_unsaved(self, live: _Live) -> None:
+    async def _put_off(self, live: _Live) -> None:
+        """Store how far a job is that the next server goes on with."""
         while live.unsaved:
             run, sums = live.unsaved.popitem()
             await self._answers.on_disk(self._store.keep_checkpoint, live.job, run, sums)
+        await self._answers.on_disk(self._store.keep_job, live.job)

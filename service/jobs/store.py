@@ -29,18 +29,31 @@ CREATE TABLE IF NOT EXISTS result (
     key TEXT PRIMARY KEY, etag TEXT NOT NULL, content BLOB NOT NULL, used REAL NOT NULL, created REAL NOT NULL
 );
 CREATE INDEX IF NOT EXISTS result_used ON result (used);
+CREATE INDEX IF NOT EXISTS result_created ON result (created);
+CREATE TABLE IF NOT EXISTS total (bytes INTEGER NOT NULL);
+INSERT INTO total SELECT IFNULL((SELECT SUM(LENGTH(content)) FROM result), 0) WHERE NOT EXISTS (SELECT 1 FROM total);
+CREATE TRIGGER IF NOT EXISTS result_came AFTER INSERT ON result BEGIN
+    UPDATE total SET bytes = bytes + LENGTH(NEW.content);
+END;
+CREATE TRIGGER IF NOT EXISTS result_went AFTER DELETE ON result BEGIN
+    UPDATE total SET bytes = bytes - LENGTH(OLD.content);
+END;
 CREATE TABLE IF NOT EXISTS job (
     id TEXT PRIMARY KEY, key TEXT NOT NULL, kind TEXT NOT NULL, scene TEXT NOT NULL, state TEXT NOT NULL,
     created REAL NOT NULL, updated REAL NOT NULL, done INTEGER NOT NULL, total INTEGER NOT NULL,
     estimate_s REAL NOT NULL, error TEXT
 );
-CREATE INDEX IF NOT EXISTS job_key ON job (key);
+CREATE INDEX IF NOT EXISTS job_created ON job (created);
+CREATE INDEX IF NOT EXISTS job_state ON job (state, updated, id);
 CREATE TABLE IF NOT EXISTS checkpoint (
     job TEXT NOT NULL REFERENCES job (id) ON DELETE CASCADE, run TEXT NOT NULL, sums BLOB NOT NULL,
     PRIMARY KEY (job, run)
 );
 """
 UNFINISHED = ("queued", "running")
+PRUNED_AT_ONCE = 1000
+"""Rows that go at a time, at most: others wait meanwhile."""
+
 _log = logging.getLogger("samplerscope.store")
 
 
@@ -138,22 +151,37 @@ class Store:
         with self._transaction() as database:
             _insert(database, results)
 
-    def prune(self) -> None:
-        """Forget what is too old, and what was used least recently above the limits of size and number."""
+    def prune(self) -> set[str]:
+        """Forget what is too old, and what was used least recently above the limits of size and number: some of it,
+        and more the next time. Takes no longer where much is stored. Returns the keys of results that went.
+        """
         oldest = time.time() - self._max_age_s
         unfinished = ",".join(f"'{state}'" for state in UNFINISHED)
+        some = f"LIMIT {PRUNED_AT_ONCE}"
         with self._transaction() as database:
-            database.execute("DELETE FROM result WHERE created < ?", (oldest,))
-            database.execute(
-                "DELETE FROM result WHERE key IN (SELECT key FROM (SELECT key, "
-                "SUM(LENGTH(content)) OVER (ORDER BY used DESC, key) AS upto FROM result) WHERE upto > ?)",
-                (self._limit_bytes,),
-            )
+            gone = database.execute(f"SELECT key FROM result WHERE created < ? {some}", (oldest,)).fetchall()
+            database.executemany("DELETE FROM result WHERE key = ?", gone)
+            (total,) = database.execute("SELECT bytes FROM total").fetchone()
+            least_used = self._least_used(total - self._limit_bytes)
+            database.executemany("DELETE FROM result WHERE key = ?", least_used)
             finished = f"SELECT id FROM job WHERE state NOT IN ({unfinished})"
-            database.execute(f"DELETE FROM job WHERE id IN ({finished} AND updated < ?)", (oldest,))
+            database.execute(f"DELETE FROM job WHERE id IN ({finished} AND updated < ? {some})", (oldest,))
             database.execute(
-                f"DELETE FROM job WHERE id IN ({finished} ORDER BY updated DESC LIMIT -1 OFFSET ?)", (self._max_jobs,)
+                f"DELETE FROM job WHERE id IN ({finished} ORDER BY updated DESC {some} OFFSET ?)", (self._max_jobs,)
             )
+        return {key for (key,) in (*gone, *least_used)}
+
+    def _least_used(self, excess: int) -> list[tuple[str]]:
+        """Keys of results that have so many bytes together, least recently used first."""
+        found: list[tuple[str]] = []
+        for key, size in self._database.execute(
+            f"SELECT key, LENGTH(content) FROM result ORDER BY used LIMIT {PRUNED_AT_ONCE}"
+        ):
+            if excess <= 0:
+                break
+            found.append((key,))
+            excess -= size
+        return found
 
     def keep_job(self, job: Job) -> None:
         """Store a new job, or what became of one. A finished one loses its checkpoints."""

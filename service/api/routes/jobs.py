@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import asyncio
+import re
 from collections.abc import AsyncIterator
 from typing import Any
 
 from fastapi import APIRouter, Request, Response
+from starlette.datastructures import QueryParams
 from starlette.responses import StreamingResponse
 
 from service.api import documents
-from service.api.jobs_json import accepted, job_json, json_response, sse
+from service.api.jobs_json import accepted, job_json, jobs_response, json_response, sse
 from service.api.problems import HttpError
 from service.api.queries import json_of_body, scene_of
 from service.api.representations import chosen_format, formats_of, represent
@@ -20,6 +23,7 @@ from service.jobs.store import Job
 from service.worker.kinds import KINDS, ROUTED
 
 LISTED = 100
+"""Most jobs that are listed."""
 
 
 def router(services: Services) -> APIRouter:
@@ -49,13 +53,16 @@ def _add_collection(routes: APIRouter, services: Services) -> None:
 
     @routes.get(
         "/v1/jobs",
-        summary=f"The latest {LISTED} jobs, newest first",
+        summary="The latest jobs, newest first",
         operation_id="get_jobs",
         response_class=Response,
-        responses={200: documents.json_content("Jobs")},
+        responses=documents.answers("Jobs", 422),
+        openapi_extra={"parameters": [documents.limit_parameter(LISTED)]},
     )
-    async def listed() -> Response:
-        return json_response({"kind": "jobs", "jobs": [job_json(job) for job in await services.jobs.latest(LISTED)]})
+    async def listed(request: Request) -> Response:
+        jobs = await services.jobs.latest(_limit(request.query_params))
+        # Scenes may be large: in a thread, and one by one, they hold up nobody.
+        return await asyncio.to_thread(jobs_response, jobs)
 
 
 def _add_job(routes: APIRouter, services: Services) -> None:
@@ -124,6 +131,17 @@ def _add_outcome(routes: APIRouter, services: Services) -> None:
             work = services.answers.encode(job.key, stored, format_, None, client)
             stored = (await unless_gone(request, work)).stored
         return represent(request, stored, FORMATS[format_].media_type)
+
+
+def _limit(query: QueryParams) -> int:
+    """How many jobs to list. Raises BadInput."""
+    problems = [Problem(name, query[name], "no field of this name") for name in query if name != "limit"]
+    given = query.getlist("limit") or [str(LISTED)]
+    if len(given) > 1 or not re.fullmatch("[0-9]{1,9}", given[0]) or not 1 <= int(given[0]) <= LISTED:
+        problems.append(Problem("limit", ", ".join(given), f"a whole number, 1 to {LISTED}, given once"))
+    if problems:
+        raise BadInput(problems)
+    return int(given[0])
 
 
 def _there(job: Job | None) -> Job:

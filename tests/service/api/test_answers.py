@@ -18,7 +18,8 @@ def with_answers(folder, use):
         answers = Answers(store, lane, lane, Costs(), client_limit=1, timeout_s=1.0)
         await use(answers)
         answers.close()
-        kept = {key: store.result(key) for key in store.keys()}
+        keys = store.keys()
+        kept = {key: store.result(key) for key in keys}
         store.close()
         return kept
 

@@ -2,6 +2,7 @@
 
 import json
 import os
+import resource
 import signal
 import sqlite3
 from contextlib import closing
@@ -83,6 +84,26 @@ def test_events_tell_progress_and_partial_statistics_that_plot(start_server):
     assert events(server, path) == [("done", {})]
 
 
+def test_the_head_of_the_events_of_a_job_is_answered_at_once(server):
+    path = server.start_job(seeded(HUGE, 65))
+    reply = server.client.head(f"{path}/events")
+    assert (reply.status_code, reply.headers["content-type"].partition(";")[0]) == (200, "text/event-stream")
+    # The connection is free for the next request, although the job goes on.
+    assert server.client.delete(path).json()["state"] == "cancelled"
+
+
+def test_an_equal_question_finds_the_job_that_is_at_it_however_short_it_is(start_server):
+    server = start_server(beat_timeout_s=PATIENCE_S)
+    worker = server.worker("jobs")
+    os.kill(worker, signal.SIGSTOP)
+    path = server.start_job(seeded(SMALL, 66))
+    assert server.ask(seeded(SMALL, 66)).headers["location"] == path
+    os.kill(worker, signal.SIGCONT)
+    server.await_job(path)
+    assert server.ask(seeded(SMALL, 66)).content == server.client.get(f"{path}/result").content
+    assert server.metric("samplerscope_answers_total", how="computed") == 0
+
+
 def test_delete_cancels_at_the_next_launch_and_frees_the_device(server):
     path = server.start_job(seeded(HUGE, 53))
     server.await_job(path, wanted=("running",))
@@ -103,6 +124,11 @@ def test_jobs_are_listed_newest_first(server):
     first, second = (server.start_job(seeded(SMALL, seed)) for seed in (55, 56))
     listed = [job["links"]["self"] for job in server.client.get("/v1/jobs").json()["jobs"]]
     assert listed.index(second) < listed.index(first)
+    newest = server.client.get("/v1/jobs?limit=1").json()["jobs"]
+    assert [job["links"]["self"] for job in newest] == [second]
+    for wrong in ("limit=0", "limit=101", "limit=x", "limit=1&limit=2", "limit=", "limit=%D9%A3", "offset=1"):
+        reply = server.client.get(f"/v1/jobs?{wrong}")
+        assert (reply.status_code, reply.json()["errors"][0]["field"]) == (422, wrong.partition("=")[0])
 
 
 @pytest.mark.parametrize("how", ["stop", "kill"])
@@ -128,6 +154,21 @@ def test_a_job_survives_a_restart_of_the_server_and_ends_with_the_same_bits(star
         assert second.client.get(path).json()["progress"]["done"] >= reached
     second.await_job(path)
     assert without_run(second.client.get(f"{path}/result").json()) == direct_answer(scene)
+
+
+def test_with_a_full_disk_questions_are_answered_and_jobs_refused_and_no_job_lives_on(start_server):
+    server = start_server()
+    stored = server.ask(SMALL)
+    path = server.start_job(seeded(LONGER, 61))
+    server.await_job(path, wanted=("running",))
+    _, hard = resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, (4096, resource.RLIM_INFINITY))
+    assert server.ask(seeded(SMALL, 62)).status_code == 200
+    assert server.ask(SMALL).content == stored.content
+    assert server.client.post("/v1/jobs", json={"scene": seeded(HUGE, 63)}).status_code == 500
+    assert server.await_job(path, wanted=("failed",))["error"]["status"] == 500
+    server.await_lane("jobs", running=0, waiting=0)
+    resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, (hard, hard))
+    server.await_job(server.start_job(seeded(SMALL, 64)))
 
 
 def test_watchers_are_told_that_the_server_stops(start_server):

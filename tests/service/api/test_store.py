@@ -1,11 +1,14 @@
 """The store: whole or not at all, bounded in size, age and number, and one server at a time."""
 
+import sqlite3
 import time
+from contextlib import closing
 from dataclasses import replace
 
 import pytest
 
 from service.errors import BadInput
+from service.jobs import store as module
 from service.jobs.store import Job, Store, Stored
 
 
@@ -48,6 +51,30 @@ def test_results_beyond_the_limit_go_least_recently_used_first(opened):
     store.keep_results({"key3": Stored.of(b"3" * 100)})
     store.prune()
     assert [number for number in range(4) if store.result(f"key{number}")] == [0, 2, 3]
+
+
+def test_the_bytes_of_results_are_counted_as_they_come_and_go_and_of_an_older_file_once(tmp_path, opened):
+    store = opened(limit_bytes=350)
+    for key, size in (("a", 100), ("a", 100), ("b", 200), ("c", 150)):
+        store.keep_results({key: Stored.of(b"x" * size)})
+    store.prune()
+    store.close()
+    with closing(sqlite3.connect(tmp_path / "results-1.sqlite3")) as database:
+        assert database.execute("SELECT bytes, (SELECT SUM(LENGTH(content)) FROM result) FROM total").fetchall() == [
+            (350, 350)
+        ]
+        database.executescript("DROP TRIGGER result_came; DROP TRIGGER result_went; DROP TABLE total;")
+    store = opened(limit_bytes=300)
+    assert sorted(store.keys()) == ["c"]
+
+
+def test_of_much_that_is_to_go_some_goes_at_a_time(opened, monkeypatch):
+    monkeypatch.setattr(module, "PRUNED_AT_ONCE", 2)
+    store = opened(limit_bytes=1)
+    store.keep_results({f"key{number}": Stored.of(b"x") for number in range(6)})
+    gone = [store.prune() for _ in range(4)]
+    assert [len(keys) for keys in gone] == [2, 2, 1, 0]
+    assert store.keys().isdisjoint(set().union(*gone))
 
 
 def test_old_results_and_old_finished_jobs_go_and_unfinished_jobs_stay(opened):
