@@ -36,6 +36,20 @@ _EXAMPLE_QUERY = {
     "samples": 20000,
     "seed": 3,
 }
+EXAMPLE_FILE = """/*---
+provides = ["model"]
+name = "matte"
+title = "A model of one's own"
+source = "Lambert's cosine law"
+[parameters.tint]
+min = 0.0
+max = 1.0
+default = 0.8
+unit = ""
+help = "reflected fraction of the light"
+---*/
+float brdf(vec3 wi, vec3 wo) { return tint * INV_PI; }
+"""
 _RETRY = {"Retry-After": {"description": "Seconds to wait.", "schema": {"type": "integer"}}}
 _TAG = {"ETag": {"description": "A hash of the bytes.", "schema": {"type": "string"}}}
 
@@ -185,11 +199,10 @@ def query_parameters(catalogue: Catalogue, kind: Kind) -> list[Part]:
         ),
         _query(
             "theta_o_deg",
-            "View angles in degrees, in place of `angles`.",
+            "View angles in degrees, in place of `angles`, as `0,45,89.9`.",
             {"type": "array", "items": {"type": "number", "minimum": 0, "exclusiveMaximum": 90}, "minItems": 1},
             style="form",
             explode=False,
-            example=[0, 45, 89.9],
         ),
         _query(
             "phi_o_deg",
@@ -323,9 +336,15 @@ def scene_body(kind: Kind) -> Part:
     return {"required": True, "content": content}
 
 
-def model_body(model: type[BaseModel]) -> Part:
-    """A body that is described by a class."""
-    return {"required": True, "content": {"application/json": {"schema": reference_to(model.__name__)}}}
+def own_body(model: type[BaseModel]) -> Part:
+    """A body that carries shader text; the scene of the example fits every task that takes one."""
+    example: Part = {"glsl": EXAMPLE_FILE}
+    if "scene" in model.model_fields:
+        example["scene"] = {"techniques": ["cosine"], "theta_o_deg": [0, 60], "estimator": {"samples": 20000}}
+    return {
+        "required": True,
+        "content": {"application/json": {"schema": reference_to(model.__name__), "example": example}},
+    }
 
 
 def job_body() -> Part:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, Request, Response
+from typing import Annotated
+
+from fastapi import APIRouter, Path, Request, Response
 
 from service.api import documents
 from service.api.jobs_json import json_response
@@ -13,6 +15,7 @@ from service.papers import FIGURES, figure_scene
 from service.scene import parse_scene
 
 _ALLOWED = ("samples", "seed")
+_Name = Annotated[str, Path(json_schema_extra={"enum": list(FIGURES)}, examples=["eon-13"])]
 _KINDS = {"convergence": "convergence", "timings": "timings", "slices": "slices"}
 """Kinds of result by chart, where that is not statistics."""
 
@@ -43,7 +46,7 @@ def router(services: Services) -> APIRouter:
         responses=documents.figure_responses(),
         openapi_extra={"parameters": documents.figure_parameters()},
     )
-    async def figure(name: str, request: Request) -> Response:
+    async def figure(name: _Name, request: Request) -> Response:
         if name not in FIGURES:
             raise HttpError(404, "not-found", f"there is no figure of this name; there are: {', '.join(FIGURES)}")
         given = {key: request.query_params[key] for key in _ALLOWED if key in request.query_params}

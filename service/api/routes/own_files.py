@@ -61,7 +61,7 @@ def _add(routes: APIRouter, task: str, services: Services) -> None:
         responses=documents.own_responses(task) | documents.BODY_RESPONSES,
         openapi_extra={
             "parameters": [documents.format_parameter(task), documents.ANSWER_HEADERS[0]],
-            "requestBody": documents.model_body(body),
+            "requestBody": documents.own_body(body),
         },
     )
 
