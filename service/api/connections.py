@@ -112,6 +112,7 @@ class Connection(HttpToolsProtocol):
         request_id.reset(token)
         lines = [
             f"HTTP/1.1 {error.status} {HTTPStatus(error.status).phrase}",
+            *(f"{name.decode()}: {value.decode()}" for name, value in self.server_state.default_headers),
             f"content-type: {MEDIA_TYPE}",
             f"content-length: {len(content)}",
             f"x-request-id: {identifier}",

@@ -192,25 +192,7 @@ def query_parameters(catalogue: Catalogue, kind: Kind) -> list[Part]:
         _query("model", "The BRDF. Needed unless there is a `preset`.", _model_schema(kind, catalogue)),
         _query("preset", "A material of a paper, in the place of a model.", {"type": "string", "enum": preset_names()}),
         _names("techniques", sorted(catalogue.techniques), description="Default: all that are made for the model."),
-        _query(
-            "angles",
-            "So many view angles, from 0 to 89.91 degrees.",
-            {"type": "integer", "minimum": 1, "maximum": MAX_ANGLES},
-        ),
-        _query(
-            "theta_o_deg",
-            "View angles in degrees, in place of `angles`, as `0,45,89.9`.",
-            {"type": "array", "items": {"type": "number", "minimum": 0, "exclusiveMaximum": 90}, "minItems": 1},
-            style="form",
-            explode=False,
-        ),
-        _query(
-            "phi_o_deg",
-            "View azimuths of an anisotropic model, in degrees: one series each. Default: 0.",
-            {"type": "array", "items": {"type": "number", "minimum": -360, "maximum": 360}, "minItems": 1},
-            style="form",
-            explode=False,
-        ),
+        *_view_parameters(),
         _query(
             "zip",
             "Names of parameters whose lists run together, as `kd,ks`; once for each group.",
@@ -241,6 +223,30 @@ def query_parameters(catalogue: Catalogue, kind: Kind) -> list[Part]:
         format_parameter(kind.name),
     ]
     return [*found, *ANSWER_HEADERS]
+
+
+def _view_parameters() -> list[Part]:
+    return [
+        _query(
+            "angles",
+            "So many view angles, from 0 to 89.91 degrees.",
+            {"type": "integer", "minimum": 1, "maximum": MAX_ANGLES},
+        ),
+        _query(
+            "theta_o_deg",
+            "View angles in degrees, in place of `angles`, as `0,45,89.9`.",
+            {"type": "array", "items": {"type": "number", "minimum": 0, "exclusiveMaximum": 90}, "minItems": 1},
+            style="form",
+            explode=False,
+        ),
+        _query(
+            "phi_o_deg",
+            "View azimuths of an anisotropic model, in degrees: one series each. Default: 0.",
+            {"type": "array", "items": {"type": "number", "minimum": -360, "maximum": 360}, "minItems": 1},
+            style="form",
+            explode=False,
+        ),
+    ]
 
 
 def _model_schema(kind: Kind, catalogue: Catalogue) -> Part:
