@@ -81,6 +81,23 @@ def test_bad_settings_are_one_line_and_exit_2(tmp_path):
     assert "SAMPLERSCOPE_MAX_CELLS = 0" in done.stderr
 
 
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("api_key", ""),
+        ("host", ""),
+        ("graceful_s", "inf"),
+        ("request_timeout_s", "nan"),
+        ("stall_timeout_s", "1e300"),
+        ("store_max_jobs", 10**30),
+    ],
+)
+def test_a_setting_that_would_open_the_server_or_stop_its_clocks_is_refused(tmp_path, name, value):
+    done = run_serve(data_dir=tmp_path, **{name: value})
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert f"SAMPLERSCOPE_{name.upper()} =" in done.stderr
+
+
 def test_a_data_folder_in_use_is_bad_input(server):
     done = run_serve(data_dir=server.settings["data_dir"])
     assert done.returncode == 2
