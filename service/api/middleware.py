@@ -9,6 +9,7 @@ import logging
 import re
 import secrets
 import time
+from collections.abc import Mapping
 from typing import Any
 
 from starlette.datastructures import Headers, MutableHeaders
@@ -37,32 +38,36 @@ class RequestContext:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        given = Headers(scope=scope).get("x-request-id", "")
-        identifier = given if _ID.fullmatch(given) else secrets.token_hex(8)
-        token = request_id.set(identifier)
+        token = request_id.set(_identifier(scope))
         begin = time.perf_counter()
         timings: dict[str, float] = {}
         scope.setdefault("state", {})["timings"] = timings
-        status, complete = 0, False
-
-        async def send_more(message: Message) -> None:
-            nonlocal status, complete
-            if message["type"] == "http.response.start":
-                status = message["status"]
-                headers = MutableHeaders(scope=message)
-                headers["x-request-id"] = identifier
-                timings["total"] = 1e3 * (time.perf_counter() - begin)
-                headers["server-timing"] = ", ".join(f"{name};dur={ms:.3f}" for name, ms in timings.items())
-                await send(message)
-                if method == "HEAD":  # the end at once: events may go on for hours
-                    complete = True
-                    await send({"type": "http.response.body"})
-            elif method != "HEAD":
-                complete = not message.get("more_body", False)
-                await send(message)
-
         method = scope["method"]
         inner = {**scope, "method": "GET"} if method == "HEAD" else scope
+        status, complete = 0, False
+
+        def finish() -> None:
+            """Note the request before its last byte goes out: whoever reads an answer finds its id in the log."""
+            nonlocal complete
+            if not complete:
+                complete = True
+                self._note(inner, method, status, time.perf_counter() - begin)
+
+        async def send_more(message: Message) -> None:
+            nonlocal status
+            if message["type"] == "http.response.start":
+                status = message["status"]
+                _label(message, timings | {"total": 1e3 * (time.perf_counter() - begin)})
+                if method == "HEAD":  # the end at once: events may go on for hours
+                    finish()
+                await send(message)
+                if method == "HEAD":
+                    await send({"type": "http.response.body"})
+            elif method != "HEAD":
+                if not message.get("more_body", False):
+                    finish()
+                await send(message)
+
         try:
             await self._app(inner, receive, send_more)
         except Exception as error:
@@ -72,7 +77,7 @@ class RequestContext:
             if not status:
                 await problem_response(error)(scope, receive, send_more)
         finally:
-            self._note(inner, method, status, time.perf_counter() - begin)
+            finish()
             request_id.reset(token)
 
     def _note(self, scope: Scope, method: str, status: int, elapsed_s: float) -> None:
@@ -82,6 +87,18 @@ class RequestContext:
         level = logging.DEBUG if route in ("/healthz", "/readyz", "/metrics") else logging.INFO
         facts: dict[str, Any] = {"method": method, "path": scope["path"], "status": status}
         _log.log(level, "request", extra={**facts, "client": _client(scope), "elapsed_ms": round(1e3 * elapsed_s, 3)})
+
+
+def _identifier(scope: Scope) -> str:
+    """The id that the client gave, where it is one."""
+    given = Headers(scope=scope).get("x-request-id", "")
+    return given if _ID.fullmatch(given) else secrets.token_hex(8)
+
+
+def _label(start: Message, timings: Mapping[str, float]) -> None:
+    headers = MutableHeaders(scope=start)
+    headers["x-request-id"] = request_id.get()
+    headers["server-timing"] = ", ".join(f"{name};dur={ms:.3f}" for name, ms in timings.items())
 
 
 def _client(scope: Scope) -> str:
