@@ -63,10 +63,9 @@ def test_models_techniques_and_formats_are_enums_and_parameters_have_ranges_and_
     assert "roughness" in scene["properties"]["parameters"]["properties"]
 
 
-@pytest.mark.usefixtures("_own_cache")
-def test_every_example_of_the_document_works(tmp_path_factory, document):
+def test_every_example_of_the_document_works(start_server, document):
     """All examples of an operation together are one request. On a server of its limits an answer may become a job."""
-    server = Server(tmp_path_factory.mktemp("server"), own_glsl=True)
+    server = start_server(own_glsl=True)
     asked = Counter()
     for path, operations in document["paths"].items():
         for method, operation in operations.items():
@@ -83,7 +82,6 @@ def test_every_example_of_the_document_works(tmp_path_factory, document):
             asked[method] += 1
             if reply.status_code == 202:
                 server.client.delete(reply.headers["location"])
-    assert server.stop() == 0
     assert asked["get"] >= 13
     assert asked["post"] >= 9
 
