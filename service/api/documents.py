@@ -11,9 +11,8 @@ from typing import Any
 from pydantic import BaseModel
 
 from service.api import problems as problem_details
-from service.api.representations import formats_of
 from service.catalogue import Catalogue, Parameter, load_catalogue
-from service.formats import FORMATS
+from service.formats import FORMATS, formats_of
 from service.presets import preset_names
 from service.scene import ALL_MODELS, MAX_ANGLES, Estimator, Scene
 from service.worker.kinds import KINDS, ROUTED, Kind

@@ -10,13 +10,7 @@ from starlette.responses import Response
 from service.api.problems import HttpError
 from service.errors import BadInput, Problem
 from service.formats import FORMATS
-from service.formats.kinds import part
 from service.jobs.store import Stored
-
-
-def formats_of(kind: str) -> list[str]:
-    """Formats that results of this kind have, JSON first."""
-    return [name for name, entry in FORMATS.items() if entry.part is None or part(kind, entry.part) is not None]
 
 
 def chosen_format(request: Request, allowed: Sequence[str]) -> str:

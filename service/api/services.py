@@ -15,11 +15,11 @@ from starlette.responses import Response
 from service.api.jobs_json import accepted
 from service.api.metrics import Metrics
 from service.api.problems import ClientGone, OverBudget, problem_of
-from service.api.representations import chosen_format, formats_of, represent
+from service.api.representations import chosen_format, represent
 from service.api.settings import Settings
 from service.catalogue import Catalogue, load_catalogue
 from service.errors import Problem
-from service.formats import FORMATS
+from service.formats import FORMATS, formats_of
 from service.jobs.answers import Answers
 from service.jobs.asked import Asked, ask, own_key
 from service.jobs.estimates import Costs, Estimate

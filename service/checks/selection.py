@@ -26,11 +26,16 @@ class Subject:
     fixed: Mapping[str, float]
 
 
-def with_files(catalogue: Catalogue, files: Mapping[str, str]) -> tuple[Catalogue, dict[str, str]]:
-    """The catalogue with files, given as text by path, and the names of their entries by path."""
+def with_files(catalogue: Catalogue, files: Mapping[str, str]) -> Catalogue:
+    """The catalogue with files, given as text by path."""
     for path, text in files.items():
         catalogue = catalogue.with_text(text, path)
-    return catalogue, {path: catalogue.file_of(path).name for path in files}
+    return catalogue
+
+
+def name_of(given: str, catalogue: Catalogue, files: Mapping[str, str]) -> str:
+    """The name of the entry that a path among `files` stands for; a name stands for itself."""
+    return catalogue.file_of(given).name if given in files else given
 
 
 def select(
@@ -39,20 +44,19 @@ def select(
     model: str | None = None,
     techniques: Sequence[str] | None = None,
     fixed: Mapping[str, float] | None = None,
-    text: str | None = None,
     files: Mapping[str, str] = NO_FILES,
 ) -> Subject:
     """Find the subject.
 
     A technique runs on `model` (default eon, or the first it is made for), a model with `techniques`: names, or paths
-    that `files` has the texts of. Where `text` is given, it is the file's, which is not read.
+    that `files` has the texts of. A subject that is a file is read only where `files` has not its text.
     BadInput names what does not exist or does not fit; ShaderFileError a file that breaks the contract.
     """
-    catalogue, called = with_files(catalogue, {path: files[path] for path in files if path != given})
-    if is_file(given):
-        catalogue = catalogue.with_text(own_text(Path(given)) if text is None else text, given)
+    if is_file(given) and given not in files:
+        files = {**files, given: own_text(Path(given))}
+    catalogue = with_files(catalogue, files)
+    if given in files:
         entry = catalogue.file_of(given)
-        called[given] = entry.name
     elif given in catalogue.techniques:
         entry = catalogue.techniques[given]
     elif given in catalogue.models:
@@ -60,8 +64,8 @@ def select(
     else:
         known = ", ".join(sorted({*catalogue.models, *catalogue.techniques}))
         raise BadInput(Problem("subject", given, f"a .glsl file, or one of {known}"))
-    model = None if model is None else called.get(model, model)
-    techniques = None if techniques is None else [called.get(name, name) for name in techniques]
+    model = None if model is None else name_of(model, catalogue, files)
+    techniques = None if techniques is None else [name_of(name, catalogue, files) for name in techniques]
     roles = entry.head.provides
     if "model" not in roles and entry.name not in (techniques or [entry.name]):
         raise BadInput(Problem("techniques", ",".join(techniques or []), f"{entry.name}, the subject, or no value"))

@@ -29,10 +29,5 @@ def answer_for_files(
     """
     from service.isolation import run_isolated
 
-    others = dict(files)
-    text = others.pop(scene["model"], None)
-    file = None if text is None else scene["model"]
     with line() as progress:
-        return run_isolated(
-            task, {"file": file, "text": text, "files": others, "scene": scene, "device": device}, progress
-        )
+        return run_isolated(task, {"files": files, "scene": scene, "device": device}, progress)

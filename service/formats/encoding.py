@@ -97,7 +97,7 @@ def encode(result: Result, format: str, chart: Draw | None = None) -> bytes:  # 
 
 
 def formats_of(kind: str) -> list[str]:
-    """Names of the formats that a result of this kind can be written in."""
+    """Names of the formats that a result of this kind can be written in, JSON first."""
     return [entry.name for entry in _ALL if entry.part is None or kinds.part(kind, entry.part) is not None]
 
 

@@ -1,9 +1,8 @@
 """What a worker can do: functions from plain data to a result, one a command.
 
-`arguments` carry the texts of a user's files, since a worker may not read files: `text` is that of the subject or of
-the scene's model (`file`), `files` has those of others by the paths that stand for their names. `seal(engine, pairs)`
-is called when the device is open and nothing of a file has run yet, with the pairs of model and technique that the task
-is about.
+`arguments` carry the texts of a user's files, since a worker may not read files: `files` has them by the paths that
+stand for their names. `seal(engine, pairs)` is called when the device is open and nothing of a file has run yet, with
+the pairs of model and technique that the task is about.
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ from typing import Any
 from service.catalogue import Catalogue, Entry, load_catalogue
 from service.checks.battery import Battery, run_battery
 from service.checks.replaying import replay_inputs
-from service.checks.selection import Subject, require_in_range, select, with_files
+from service.checks.selection import Subject, name_of, require_in_range, select, with_files
 from service.convergence import compute_convergence, parse_convergence_scene
 from service.engine import Engine
 from service.errors import BadInput, Problem
@@ -60,8 +59,7 @@ def _subject(arguments: Arguments) -> Subject:
         arguments["model"],
         arguments["techniques"],
         arguments["fixed"],
-        arguments["text"],
-        arguments.get("files", {}),
+        arguments["files"],
     )
 
 
@@ -104,20 +102,22 @@ def _of_scene(
 
 def _with_files(arguments: Arguments) -> tuple[Catalogue, dict[str, Any]]:
     """The catalogue with the files that a scene is about, and the scene with their names in the place of paths."""
-    catalogue, called = with_files(load_catalogue(), arguments.get("files", {}))
-    scene, file = dict(arguments["scene"]), arguments["file"]
-    if file is not None:
+    scene, files, catalogue = dict(arguments["scene"]), arguments["files"], load_catalogue()
+    given, asked = scene["model"], scene.get("techniques") or []
+    names: list[str] = [asked] if isinstance(asked, str) else asked
+    if given in files:
         # A file of a technique runs on the model it is made for, a model with the techniques for models.
-        subject = select(file, catalogue, text=arguments["text"])
+        subject = select(given, catalogue, files=files)
         catalogue, scene["model"] = subject.catalogue, subject.model.name
-        called[file] = catalogue.file_of(file).name
-        if not scene.get("techniques"):
-            scene["techniques"] = [technique.name for technique in subject.techniques]
-    if scene.get("techniques"):
-        asked = [scene["techniques"]] if isinstance(scene["techniques"], str) else scene["techniques"]
-        scene["techniques"] = names = [called.get(name, name) for name in asked]
-        if file is not None and "model" not in catalogue.file_of(file).head.provides and called[file] not in names:
-            raise BadInput(Problem("techniques", ",".join(names), f"a list with {called[file]}, which is in {file}"))
+        names = names or [technique.name for technique in subject.techniques]
+    else:
+        catalogue = with_files(catalogue, files)
+    if names:
+        names = scene["techniques"] = [name_of(name, catalogue, files) for name in names]
+    if given in files:
+        entry = catalogue.file_of(given)
+        if "model" not in entry.head.provides and entry.name not in names:
+            raise BadInput(Problem("techniques", ",".join(names), f"a list with {entry.name}, which is in {given}"))
     return catalogue, scene
 
 

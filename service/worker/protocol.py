@@ -35,20 +35,17 @@ class Unpacker:
 
     def __init__(self) -> None:
         self._bytes = bytearray()
-        self._missing = _LENGTHS.size
 
     def feed(self, piece: bytes) -> Iterator[Message]:
         """Every message that this piece completes. Raises ValueError or TypeError where the bytes are none."""
         self._bytes += piece
-        while len(self._bytes) >= self._missing:
+        while len(self._bytes) >= _LENGTHS.size:
             head, blobs = _lengths(self._bytes)
             end = _LENGTHS.size + head + blobs
             if len(self._bytes) < end:
-                self._missing = end
                 return
             yield _unpacked(bytes(self._bytes[_LENGTHS.size : end]), head)
             del self._bytes[:end]
-            self._missing = _LENGTHS.size
 
 
 def receive(connection: socket.socket) -> Message | None:

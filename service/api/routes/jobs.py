@@ -15,10 +15,10 @@ from service.api import documents
 from service.api.jobs_json import accepted, job_json, jobs_response, json_response, sse
 from service.api.problems import HttpError
 from service.api.queries import json_of_body, scene_of
-from service.api.representations import chosen_format, formats_of, represent
+from service.api.representations import chosen_format, represent
 from service.api.services import Services, unless_gone
 from service.errors import BadInput, Problem
-from service.formats import FORMATS
+from service.formats import FORMATS, formats_of
 from service.jobs.store import Job
 from service.worker.kinds import KINDS, ROUTED
 

@@ -43,13 +43,13 @@ def _add(routes: APIRouter, task: str, services: Services) -> None:
         if isinstance(given, OwnScene):
             if "model" in given.scene:
                 raise BadInput(Problem("scene.model", given.scene["model"], "no value: it is the file's"))
-            scene = parse_scene({**given.scene, "model": ORIGIN})
-            services.check_cells(scene)
-            arguments: dict[str, Any] = {"file": ORIGIN, "scene": given.scene}
+            scene = {**given.scene, "model": ORIGIN}
+            services.check_cells(parse_scene(scene))
+            arguments: dict[str, Any] = {"scene": scene}
         else:
             fields = given.model_dump(include={"model", "techniques", "quick", "seed"})
             arguments = {"subject": ORIGIN, "fixed": given.parameters, **fields}
-        return await services.respond_own(request, task, {**arguments, "text": given.glsl, "device": None})
+        return await services.respond_own(request, task, {**arguments, "files": {ORIGIN: given.glsl}, "device": None})
 
     routes.add_api_route(
         f"/v1/own/{task}",

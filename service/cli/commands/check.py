@@ -71,11 +71,10 @@ def _run(task: str, arguments: dict[str, Any]) -> dict[str, Any]:
     files = own_texts([arguments["subject"], arguments["model"], *(arguments["techniques"] or [])])
     with StageLine() as progress:
         if files:
-            text = files.pop(arguments["subject"], None)
-            return run_isolated(task, arguments | {"text": text, "files": files}, progress)
+            return run_isolated(task, arguments | {"files": files}, progress)
         from service.isolation.tasks import TASKS, stay_open
 
-        return TASKS[task](arguments | {"text": None}, progress, stay_open)
+        return TASKS[task](arguments | {"files": files}, progress, stay_open)
 
 
 def _replay_inputs(wo: str, u: str | None, wi: str | None) -> dict[str, Any]:

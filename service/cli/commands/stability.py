@@ -55,4 +55,4 @@ def _run(options: dict[str, Any], device: str | None) -> dict[str, Any]:
 
     parse_scene(scene)
     with StageLine() as progress:
-        return TASKS["stability"]({"file": None, "scene": scene, "device": device}, progress, stay_open)
+        return TASKS["stability"]({"files": {}, "scene": scene, "device": device}, progress, stay_open)

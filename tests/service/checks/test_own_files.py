@@ -124,9 +124,10 @@ def test_silence_ends_the_worker(own, monkeypatch):
     monkeypatch.setenv(*MARK.split("="))
     from service.isolation import Bounds, OwnFileFailed, run_isolated, tasks
 
+    path = str(own(INCLUDE + COSINE + PDF))
     arguments = {
-        "subject": str(own(INCLUDE + COSINE + PDF)),
-        "text": INCLUDE + COSINE + PDF,
+        "subject": path,
+        "files": {path: Path(path).read_text()},
         "model": None,
         "techniques": None,
         "fixed": {},
