@@ -55,6 +55,8 @@ def test_a_link_brings_the_same_page_also_back_forward_and_reloaded(visit):
     tab.get_by_label("Seed").fill("4")
     tab.get_by_label("Seed").press("Enter")
     tab.wait_for_url("**seed=4&**")
+    # A draft is drawn: the whole is on its way, and the words of the one before are gone.
+    assert comes(one, lambda: one.lines(1) != first)
     one.done()
     second = one.lines(1)
     assert second != first
