@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import astuple, fields
 from functools import cache
 from hashlib import blake2b
@@ -16,6 +16,7 @@ from pathlib import Path
 
 from lavapipe import Cache, CompileError, default_cache
 from service import reference
+from service.catalogue import Catalogue
 from service.device_reference import device_reference
 from service.engine import Engine
 from service.errors import ShaderFileError
@@ -47,10 +48,12 @@ def has_formulas(plan: SeriesPlan) -> bool:
     return None not in names
 
 
-def load_references(plans: Iterable[SeriesPlan]) -> None:
-    """Read all that the references of these plans need of files, for a process that may read none from then on."""
-    for plan in plans:
-        has_formulas(plan)
+def load_references(catalogue: Catalogue) -> None:
+    """Read all that references of the catalogue need of files, for a process that may read none from then on."""
+    for name in catalogue.models:
+        reference.load_model(name)
+    for name in catalogue.techniques:
+        reference.load_technique(name)
     _code_digest()
 
 

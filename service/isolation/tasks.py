@@ -18,7 +18,6 @@ from service.convergence import compute_convergence, parse_convergence_scene
 from service.engine import Engine
 from service.errors import BadInput, Problem
 from service.explain import compute_explanation, parse_explain_scene
-from service.reference_store import load_references
 from service.scene import Question, Scene, parse_scene, resolve
 from service.stability import compute_stability
 from service.statistics import Progress, compute_statistics
@@ -94,7 +93,6 @@ def _of_scene(
     catalogue, scene = _with_files(arguments)
     question = resolve(parse(scene), catalogue)
     progress("compiling", 0, 1)
-    load_references(question.series)
     with Engine.open(catalogue, device=arguments["device"]) as engine:
         seal(engine, [(plan.model, plan.technique) for plan in question.series])
         return compute(question, engine, progress)

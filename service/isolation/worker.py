@@ -23,14 +23,18 @@ def main() -> None:
         channel.flush()
 
     job = json.loads(sys.stdin.readline())
-    # What is read is read before the right to read goes: modules, the catalogue, the jobs.
+    # What is read is read before the right to read goes: modules, the catalogue, the jobs, the references. Who root
+    # becomes may not even enter the folder that this program is in.
     for part in _LAZY:
         import_module(part)
+    with suppress(OSError):  # without a Vulkan loader; Engine.open says so
+        import_module("vulkan")
     from lavapipe import CompileError, DeviceNotFound, LavapipeError
-    from service.catalogue import load_catalogue
+    from service.catalogue import hemisphere, load_catalogue
     from service.engine import Engine
     from service.errors import BadInput, SamplerscopeError
     from service.isolation import confinement, tasks
+    from service.reference_store import load_references
     from service.variant import job_texts
 
     def as_strict_as_asked() -> AbstractContextManager[None]:
@@ -44,7 +48,8 @@ def main() -> None:
             confinement.allow_computing_only()
 
     try:
-        load_catalogue()
+        load_references(load_catalogue())
+        hemisphere()
         job_texts()
         confinement.limit(job["memory_bytes"])
         with as_strict_as_asked():
