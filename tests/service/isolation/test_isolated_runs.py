@@ -1,4 +1,4 @@
-"""What ends a worker is told for what it is, and where the program lies is none of its ends."""
+"""Runs of own files in a process apart: whose fault an end is, and where the program may lie."""
 
 import json
 import os
