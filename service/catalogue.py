@@ -22,6 +22,9 @@ from service.errors import BadInput, Problem, ShaderFileError
 
 SHADERS = Path(__file__).resolve().parent.parent / "shaders"
 
+DEFAULT_MODEL = "eon"
+"""The model of a question that names none."""
+
 # fmt: off
 RESERVED = frozenset({
     "model", "preset", "parameters", "zip", "techniques", "angles", "theta_o_deg", "phi_o_deg", "statistics",

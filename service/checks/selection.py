@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
-from service.catalogue import Catalogue, Entry, is_file, own_text
+from service.catalogue import DEFAULT_MODEL, Catalogue, Entry, is_file, own_text
 from service.errors import BadInput, Problem
 
-DEFAULT_MODEL = "eon"
 DEFAULT_TECHNIQUES = ("cosine", "uniform")
 NO_FILES: Mapping[str, str] = MappingProxyType({})
 

@@ -9,12 +9,12 @@ from typing import Any, TypeVar
 
 import click
 
+from service.catalogue import DEFAULT_MODEL
 from service.errors import BadInput, Problem
 from service.presets import with_preset
 
 Command = Callable[..., Any]
 Value = TypeVar("Value")
-DEFAULT_MODEL = "eon"
 MOST_DIGITS = 30  # of a whole number: far beyond any that is allowed
 
 
